@@ -1,0 +1,12 @@
+"""The two curves of a record, what the model expects of them, and how they vary together.
+
+Start with `allan_variance` and `psd`.
+"""
+
+from ._allan import allan_variance as allan_variance
+from ._cluster_sizes import cluster_sizes as cluster_sizes
+from ._design import Design as Design
+from ._design import design as design
+from ._design import unit_scale as unit_scale
+from ._statistics import Statistics as Statistics
+from ._statistics import statistics as statistics

@@ -1,0 +1,141 @@
+"""What each standard term is expected to put into each statistic of a record of given lengths.
+
+The statistics of both curves are quadratic forms of the samples, so that their expectations are
+linear in the squared coefficients. The matrix of that linear map depends on nothing but the
+lengths of the stretches between gaps and how the sensor samples; it is computed once, in float64
+on the host, for a sampling interval of one. `unit_scale` carries coefficients to the real one.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling
+from ._cluster_sizes import cluster_sizes
+from ._spectrum import RampProjection, ramp_coefficients
+
+NOISE_TERMS: tuple[type[AbstractNoiseTerm], ...] = STANDARD_TERMS[:-1]
+BINS_PER_DECADE = 16
+# The ramp's share of the odd coefficients falls as the fourth power of their order: what lies
+# beyond the first 32 of them holds less than 1e-5 of what can be known of it.
+RAMP_MODES = 32
+# Above this order a finite record does nothing to a flicker spectrum (5e-5 there).
+_LOW_MODES = 4096
+
+
+class Design(NamedTuple):
+    """Expectations for a sampling interval of one; see the fields. All are NumPy float64.
+
+    Fields with an axis of terms run over Q, N, B, K, squared.
+    """
+
+    lengths: tuple[int, ...]
+    sampling: Sampling
+    #: Bin of each spectral ordinate, one array a stretch, shape (length - 2,).
+    bin_index: tuple[np.ndarray, ...]
+    #: Ordinates in each bin, shape (bins,), and their mean frequency in cycles per sample.
+    ordinates: np.ndarray
+    frequency: np.ndarray
+    #: Expected density in each bin, shape (bins, 4).
+    density: np.ndarray
+    #: The ramp's odd coefficients and their variances, shapes (stretches, modes) and
+    #: (stretches, modes, 4); zero and one where a short stretch has no such mode.
+    ramp: np.ndarray
+    ramp_variance: np.ndarray
+    #: Cluster sizes, number of overlapping differences, expected Allan variance (sizes, 5).
+    cluster_sizes: np.ndarray
+    differences: np.ndarray
+    allan: np.ndarray
+
+
+def unit_scale(dt):
+    """Factor from a coefficient for dt = 1 to one in seconds, for Q, N, B, K, R: shape (5,)."""
+    return jnp.stack([dt**term.seconds_power * jnp.ones(()) for term in STANDARD_TERMS])
+
+
+@lru_cache(maxsize=32)
+def design(lengths: tuple[int, ...], sampling: Sampling = "point") -> Design:
+    """The design of a record with stretches of these lengths, each of at least 16 samples."""
+    edges = _bin_edges(max(lengths))
+    with jax.enable_x64(True):
+        return _design(lengths, sampling, edges)
+
+
+def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> Design:
+    bins = len(edges) - 1
+    ordinates, frequency = np.zeros(bins), np.zeros(bins)
+    density = np.zeros((bins, len(NOISE_TERMS)))
+    ramp = np.zeros((len(lengths), RAMP_MODES))
+    ramp_variance = np.ones((len(lengths), RAMP_MODES, len(NOISE_TERMS)))
+    bin_index = []
+    for stretch, length in enumerate(lengths):
+        order = np.arange(1, length, dtype=np.float64)
+        stretch_frequency = order / (2 * length)
+        index = np.clip(np.searchsorted(edges, stretch_frequency[1:], side="right") - 1, 0, None)
+        index = index.astype(np.int32)
+        bin_index.append(index)
+        ordinates += np.bincount(index, minlength=bins)
+        frequency += np.bincount(index, stretch_frequency[1:], minlength=bins)
+        projection = RampProjection(length)
+        odd = slice(0, 2 * RAMP_MODES, 2)
+        modes = len(order[odd])
+        ramp[stretch, :modes] = ramp_coefficients(length)[odd]
+        for column, term in enumerate(NOISE_TERMS):
+            expected = _expected_ordinates(term, order, stretch_frequency, sampling)
+            # An ordinate is 2 dt c^2, so c has half its variance.
+            ramp_variance[stretch, :modes, column] = expected[odd] / 2
+            density[:, column] += np.bincount(
+                index, projection.expectation(expected), minlength=bins
+            )
+    used = ordinates > 0
+    count = np.maximum(ordinates, 1)
+    renumber = np.cumsum(used) - 1
+    sizes = cluster_sizes(max(lengths))
+    return Design(
+        lengths=lengths,
+        sampling=sampling,
+        bin_index=tuple(renumber[index].astype(np.int32) for index in bin_index),
+        ordinates=ordinates[used],
+        frequency=(frequency / count)[used],
+        density=(density / count[:, None])[used],
+        ramp=ramp,
+        ramp_variance=ramp_variance,
+        cluster_sizes=sizes,
+        differences=sum(np.maximum(length - 2 * sizes + 1, 0) for length in lengths),
+        allan=np.stack(
+            [
+                np.asarray(_one(term).allan_variance(jnp.asarray(sizes, float), 1.0, sampling))
+                for term in (*NOISE_TERMS, RateRamp)
+            ],
+            axis=-1,
+        ),
+    )
+
+
+def _bin_edges(length: int) -> np.ndarray:
+    """Logarithmic edges in cycles per sample, never closer than the spacing of the ordinates."""
+    spacing = 1 / (2 * length)
+    growth = 10 ** (1 / BINS_PER_DECADE) - 1
+    edges = [1.5 * spacing]
+    while edges[-1] < 0.5:
+        width = max(1, round(edges[-1] * growth / spacing))
+        edges.append(edges[-1] + width * spacing)
+    if len(edges) > 2 and edges[-1] - 0.5 > (edges[-1] - edges[-2]) / 2:
+        del edges[-2]
+    return np.asarray(edges)
+
+
+def _expected_ordinates(
+    term: type[AbstractNoiseTerm], order: np.ndarray, frequency: np.ndarray, sampling: Sampling
+) -> np.ndarray:
+    unit = _one(term)
+    expected = np.array(unit.density(jnp.asarray(frequency), 1.0, sampling))
+    expected[:_LOW_MODES] *= np.asarray(unit.low_mode_ratio(jnp.asarray(order[:_LOW_MODES])))
+    return expected
+
+
+def _one(term: type[AbstractNoiseTerm]) -> AbstractNoiseTerm:
+    return term(jnp.asarray(1.0))  # pyright: ignore[reportCallIssue]  (every term has this one field)

@@ -1,0 +1,113 @@
+"""Numbers as text: the one place where a value, its interval and its unit become characters.
+
+The interval sets the digits: half its width is shown to two significant digits, and the value
+and both bounds are rounded at that same decimal place, so rounding can never put the value
+outside its interval.
+"""
+
+import math
+from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal
+from typing import NamedTuple
+
+_SIGNIFICANT = 2
+_NO_INTERVAL_DIGITS = 4
+# Outside this range of magnitudes a plain decimal is harder to read than an exponent.
+_PLAIN_EXPONENTS = range(-3, 6)
+# Below this, a p-value from a chi-square tail has no digits worth printing.
+_SMALLEST_P_VALUE = 1e-12
+
+
+class Reading(NamedTuple):
+    """One coefficient in one unit, ready to print."""
+
+    value: str  # "0.300", or "< 0.013" for an upper limit
+    interval: str  # "[0.298, 0.302]", or "" where there is none
+    unit: str
+
+    def __str__(self) -> str:
+        return " ".join(part for part in self if part)
+
+
+def _finite(number: float | None) -> bool:
+    return number is not None and math.isfinite(number)
+
+
+def _rounded(number: Decimal, place: int, rounding: str = ROUND_HALF_EVEN) -> Decimal:
+    return number.quantize(Decimal(1).scaleb(place), rounding=rounding)
+
+
+def _characters(number: Decimal, scientific: bool) -> str:
+    return f"{number:e}" if scientific else f"{number:f}"
+
+
+def _is_scientific(number: Decimal) -> bool:
+    return bool(number) and number.adjusted() not in _PLAIN_EXPONENTS
+
+
+def significant(number: float | None, digits: int = 4) -> str:
+    """A number without an interval, to `digits` significant digits; "undefined" if it is none."""
+    if number is None or not math.isfinite(number):
+        return "undefined"
+    exact = Decimal(repr(float(number)))
+    if not exact:
+        return "0"
+    # A decimal that is shorter than the digits asked for is shown as it is: 100 Hz, not 100.0.
+    place = max(exact.adjusted() - digits + 1, exact.normalize().as_tuple().exponent)
+    rounded = _rounded(exact, int(place))
+    return _characters(rounded, _is_scientific(rounded))
+
+
+def reading(value: float | None, interval: Sequence[float | None] | None, unit: str) -> Reading:
+    """A value with its interval, both in `unit`.
+
+    A number that would be rounded to zero beside a much larger one keeps two digits of its own,
+    since a printed zero would claim what the data cannot show.
+    """
+    if value is None or not math.isfinite(value):
+        return Reading("undefined", "", unit)
+    low, high = interval if interval is not None and len(interval) == 2 else (None, None)
+    if low is None or high is None or not (_finite(low) and _finite(high) and low < high):
+        return Reading(significant(value, _NO_INTERVAL_DIGITS), "", unit)
+    numbers = [Decimal(repr(float(number))) for number in (value, low, high)]
+    place = ((numbers[2] - numbers[1]) / 2).adjusted() - _SIGNIFICANT + 1
+    scientific = _is_scientific(max(numbers, key=abs))
+
+    def at_common_place(number: Decimal) -> str:
+        rounded = _rounded(number, place)
+        if number and not rounded:
+            own = _rounded(number, number.adjusted() - _SIGNIFICANT + 1)
+            return _characters(own, _is_scientific(own))
+        return _characters(rounded, scientific)
+
+    middle, lower, upper = map(at_common_place, numbers)
+    return Reading(middle, f"[{lower}, {upper}]", unit)
+
+
+def upper_limit(limit: float | None, unit: str) -> Reading:
+    """The 95 % upper limit of a term that is not resolved, rounded up so that it stays a limit."""
+    if limit is None or not math.isfinite(limit) or limit <= 0:
+        return Reading("no limit", "", unit)
+    exact = Decimal(repr(float(limit)))
+    rounded = _rounded(exact, exact.adjusted() - _SIGNIFICANT + 1, ROUND_CEILING)
+    return Reading(f"< {_characters(rounded, _is_scientific(rounded))}", "", unit)
+
+
+def p_value(probability: float) -> str:
+    """`p = 0.41`, `p = 3.2e-7` or `p < 1e-12`."""
+    if probability < _SMALLEST_P_VALUE:
+        return "p < 1e-12"
+    return f"p = {significant(probability, 2)}"
+
+
+def duration(seconds: float) -> str:
+    """A length of time in the largest unit that it fills: `90 s`, `2.5 min`, `1 h`, `3.5 days`."""
+    for size, name in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= (2 * size if size != 3600.0 else size):
+            return f"{significant(seconds / size, 3)} {name}"
+    return f"{significant(seconds, 3)} s"
+
+
+def printable(text: str) -> str:
+    """A user's string with control characters replaced, so that it cannot steer a terminal."""
+    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text)

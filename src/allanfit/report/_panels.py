@@ -1,0 +1,200 @@
+"""Drawing a curve and its residuals with matplotlib, which this file alone imports."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from typing import Any, NamedTuple
+
+import matplotlib.style
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from ._labels import label_lines
+from ._units import squared_per_hertz, typeset
+
+# Okabe and Ito's palette, which people with any common colour blindness tell apart. Terms that
+# are neighbours on the curve have colours that also differ in lightness.
+_COLOURS = {"Q": "#CC79A7", "N": "#0072B2", "B": "#009E73", "K": "#D55E00", "R": "#E69F00"}
+_DATA_COLOUR = "#4D4D4D"
+_BAND_COLOUR = "#D9D9D9"
+_NORMAL_QUANTILE_95 = 1.959964
+_COLUMN_INCHES = (3.6, 4.8)
+_ROOM_BELOW_DATA = 3.0
+
+_STYLE = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 9,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.grid.which": "both",
+    "grid.color": "#ECECEC",
+    "grid.linewidth": 0.4,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "pdf.fonttype": 42,
+    # Letters as paths look the same everywhere; the salt makes identifiers repeatable.
+    "svg.fonttype": "path",
+    "svg.hashsalt": "allanfit",
+}
+
+
+def style() -> AbstractContextManager[None]:
+    """The settings of the figures, whatever the user's own configuration says."""
+    return matplotlib.style.context(["default", _STYLE])
+
+
+class _Curve(NamedTuple):
+    """One statistic of one channel, undefined entries as NaN."""
+
+    x: np.ndarray
+    data: np.ndarray
+    model: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    terms: dict[str, np.ndarray]
+    x_label: str
+    y_label: str
+
+    def residual(self) -> np.ndarray:
+        """log(data / model) in standard deviations: beyond 1.96 where the band misses the model.
+
+        The band is taken on the side of the model, since few averages make it lopsided.
+        """
+        side = np.where(self.model > self.data, self.high / self.data, self.data / self.low)
+        deviation = np.log(side) / _NORMAL_QUANTILE_95
+        return np.log(self.data / self.model) / np.where(deviation > 0, deviation, np.nan)
+
+
+def _positive(numbers: Sequence[float | None] | None, size: int) -> np.ndarray:
+    """As an array with NaN for what a logarithmic axis cannot show."""
+    if not numbers:
+        return np.full(size, np.nan)
+    array = np.array(numbers, dtype=float)
+    return np.where(array > 0, array, np.nan)
+
+
+def _curve(channel: Mapping[str, Any], kind: str) -> _Curve:
+    entry = channel["curves"][kind]
+    unit = channel["unit"]
+    if kind == "allan":
+        x, data = entry["tau_s"], entry["deviation"]
+        x_label = "averaging time \N{GREEK SMALL LETTER TAU} [s]"
+        y_label = "Allan deviation" + (f" [{typeset(unit)}]" if unit else "")
+    else:
+        x, data = entry["frequency_hz"], entry["density"]
+        x_label = "frequency [Hz]"
+        y_label = f"power spectral density [{typeset(squared_per_hertz(unit))}]"
+    size = len(x)
+    low, high = entry.get("band_95") or (None, None)
+    terms = {name: _positive(values, size) for name, values in (entry.get("terms") or {}).items()}
+    return _Curve(
+        x=_positive(x, size),
+        data=_positive(data, size),
+        model=_positive(entry["model"], size),
+        low=_positive(low, size),
+        high=_positive(high, size),
+        terms=terms,
+        x_label=x_label,
+        y_label=y_label,
+    )
+
+
+def draw(channel: Mapping[str, Any], curves: Sequence[str], title: bool) -> Figure:
+    """The curves ("allan", "psd") of a channel side by side, each above its residuals."""
+    with style():
+        width, height = _COLUMN_INCHES
+        sheet = Figure(figsize=(width * len(curves), height), layout="constrained")
+        if title:
+            sheet.suptitle(channel["channel"], fontsize=9, fontweight="bold", parse_math=False)
+        panels = sheet.subplots(
+            2, len(curves), sharex="col", squeeze=False, gridspec_kw={"height_ratios": (3, 1)}
+        )
+        resolved = {
+            symbol for symbol, entry in channel["coefficients"].items() if entry["resolved"]
+        }
+        for column, kind in enumerate(curves):
+            curve = _curve(channel, kind)
+            _draw_curve(panels[0, column], curve, resolved)
+            _draw_residuals(panels[1, column], curve)
+        return sheet
+
+
+def _draw_curve(axes: Axes, curve: _Curve, resolved: set[str]) -> None:
+    axes.set_ylabel(curve.y_label, parse_math=False)
+    if not np.isfinite(curve.data).any():
+        _say_empty(axes)
+        return
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    band = axes.fill_between(
+        curve.x, curve.low, curve.high, color=_BAND_COLOUR, linewidth=0, zorder=1.5
+    )
+    (points,) = axes.plot(
+        curve.x, curve.data, "o", color=_DATA_COLOUR, markersize=2.6, markeredgewidth=0, zorder=3
+    )
+    (fit,) = axes.plot(curve.x, curve.model, color="black", zorder=2.8)
+    _set_limits(axes, curve)
+    lines = {}
+    for name, values in curve.terms.items():
+        if np.isfinite(values).any():
+            (lines[name],) = axes.plot(
+                curve.x,
+                values,
+                color=_COLOURS.get(name, "black"),
+                linestyle="--" if name in resolved else ":",
+                zorder=2.5,
+            )
+    label_lines(axes, lines, obstacles=(points, fit))
+    axes.legend([(band, points), fit], ["data, 95 % band", "fit"], loc="best")
+
+
+def _set_limits(axes: Axes, curve: _Curve) -> None:
+    """Frame the data; below them, room to see the terms that are smaller than their sum."""
+    shown = np.concatenate([curve.data, curve.model, curve.high])
+    axes.set_xlim(np.nanmin(curve.x) / 1.3, np.nanmax(curve.x) * 1.3)
+    axes.set_ylim(
+        np.nanmin(np.concatenate([curve.data, curve.model])) / _ROOM_BELOW_DATA,
+        np.nanmax(shown) * 1.5,
+    )
+
+
+def _draw_residuals(axes: Axes, curve: _Curve) -> None:
+    axes.set_xlabel(curve.x_label)
+    axes.set_ylabel("residual [\N{GREEK SMALL LETTER SIGMA}]")
+    residual = curve.residual()
+    if not np.isfinite(residual).any():
+        _say_empty(axes)
+        return
+    axes.axhspan(
+        -_NORMAL_QUANTILE_95, _NORMAL_QUANTILE_95, color=_BAND_COLOUR, alpha=0.6, linewidth=0
+    )
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    axes.plot(curve.x, residual, "o", color=_DATA_COLOUR, markersize=2.6, markeredgewidth=0)
+    largest = float(np.nanmax(np.abs(residual)))
+    if largest > 10:
+        # A gross misfit would flatten everything else.
+        axes.set_yscale("symlog", linthresh=4.0, linscale=1.5)
+        axes.set_ylim(-2 * largest, 2 * largest)
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    else:
+        limit = max(4.0, 1.15 * largest)
+        axes.set_ylim(-limit, limit)
+
+
+def _say_empty(axes: Axes) -> None:
+    axes.set_yticks([])
+    axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center")

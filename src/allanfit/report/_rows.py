@@ -1,0 +1,133 @@
+"""The facts of one channel as a list of fields, which the terminal and the page both print."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ._format import Reading, duration, p_value, printable, reading, significant, upper_limit
+from ._units import Conversion, field_units, si_unit
+
+_SAMPLING = {"point": "point samples", "averaged": "samples averaged over their interval"}
+
+
+class Row(NamedTuple):
+    """One noise term of one channel."""
+
+    symbol: str
+    name: str
+    resolved: bool
+    reading: Reading  # in the user's unit
+    field: tuple[Reading, ...]  # in the units of the field, none where the unit is not known
+    si: Reading | None  # None where the user's unit is SI already, or not known
+    span: str  # the averaging times at which the term is the largest, "0.01 s to 27 s", or ""
+
+    @property
+    def state(self) -> str:
+        """Resolved, with the span in which the term is the largest, or not resolved."""
+        if not self.resolved:
+            return "not resolved"
+        return f"resolved, {self.span}" if self.span else "resolved"
+
+
+def coefficient_rows(channel: Mapping[str, Any]) -> list[Row]:
+    """One row a term, in the order of the document."""
+    spans = _largest_spans(channel)
+    return [
+        _row(symbol, entry, channel, spans.get(symbol, ""))
+        for symbol, entry in channel["coefficients"].items()
+    ]
+
+
+def _row(symbol: str, entry: Mapping[str, Any], channel: Mapping[str, Any], span: str) -> Row:
+    # A coefficient of exactly zero is a limit whatever the flag says: zero is not a measurement.
+    resolved = bool(entry["resolved"]) and bool(entry["value"])
+    kind, unit = channel["kind"], channel["unit"]
+    si = si_unit(kind, unit, symbol)
+    own = Conversion(entry["unit"], 1.0)
+    return Row(
+        symbol=symbol,
+        name=entry["name"],
+        resolved=resolved,
+        reading=_converted(entry, own, resolved),
+        field=tuple(
+            _converted(entry, conversion, resolved)
+            for conversion in field_units(kind, unit, symbol)
+        ),
+        si=None if si is None or si.factor == 1.0 else _converted(entry, si, resolved),
+        span=span if resolved else "",
+    )
+
+
+def _converted(entry: Mapping[str, Any], conversion: Conversion, resolved: bool) -> Reading:
+    def scaled(number: float | None) -> float | None:
+        return None if number is None else number * conversion.factor
+
+    bounds = entry["intervals"].get("0.95") or (None, None)
+    if resolved:
+        interval = [scaled(bound) for bound in bounds]
+        return reading(scaled(entry["value"]), interval, conversion.unit)
+    limit = entry["upper_limit_95"]
+    return upper_limit(scaled(bounds[1] if limit is None else limit), conversion.unit)
+
+
+def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
+    """For each term the averaging times, first to last, at which no other term is larger."""
+    curve = channel["curves"]["allan"]
+    terms = curve.get("terms") or {}
+    times: dict[str, list[float]] = {}
+    for index, tau in enumerate(curve["tau_s"]):
+        sizes = {symbol: values[index] or 0.0 for symbol, values in terms.items() if values}
+        largest = max(sizes, key=lambda symbol: sizes[symbol], default=None)
+        if largest is not None and sizes[largest] > 0:
+            times.setdefault(largest, []).append(tau)
+    return {
+        symbol: f"{significant(taus[0], 2)} s to {significant(taus[-1], 2)} s"
+        for symbol, taus in times.items()
+    }
+
+
+def description(channel: Mapping[str, Any]) -> str:
+    """What the channel is: its kind, rate, length, mean, and how it was taken to be sampled."""
+    parts = [
+        *([channel["kind"]] if channel["kind"] != "other" else []),
+        f"{significant(channel['rate_hz'], 6)} Hz",
+        f"{channel['samples']} samples",
+        duration(channel["duration_s"]),
+        f"mean {significant(channel['mean'])} {printable(channel['unit'])}".rstrip(),
+        _SAMPLING.get(channel["sampling"], channel["sampling"]),
+    ]
+    return ", ".join(parts)
+
+
+def fit_sentence(channel: Mapping[str, Any]) -> str:
+    """Whether the five terms explain both curves, with the p-value."""
+    goodness = channel["goodness_of_fit"]
+    if goodness["p_value"] is None:
+        return "the goodness of fit could not be judged"
+    shown = p_value(goodness["p_value"])
+    if goodness["consistent"]:
+        return f"the five terms agree with both curves ({shown})"
+    return f"the five terms do not explain the curves ({shown}): run `allanfit explain`"
+
+
+def sampler_sentence(channel: Mapping[str, Any]) -> str:
+    """Where the intervals come from and whether the sampler may be trusted."""
+    posterior = channel["posterior"]
+    if posterior is None:
+        return "intervals from the fast posterior, not sampled"
+    worst = [value for value in posterior["r_hat"].values() if value is not None]
+    sizes = [value for value in posterior["effective_sample_size"].values() if value is not None]
+    parts = [
+        f"{posterior['sampler']}, {posterior['draws']} draws",
+        f"R-hat at most {max(worst):.3f}" if worst else "R-hat undefined",
+        f"effective sample size at least {min(sizes):.0f}"
+        if sizes
+        else "effective sample size undefined",
+        f"acceptance {posterior['acceptance_fraction']:.2f}",
+    ]
+    verdict = "converged" if posterior["converged"] else "not converged, do not trust the intervals"
+    return f"{', '.join(parts)}: {verdict}"
+
+
+def warning_sentence(channel: Mapping[str, Any]) -> str:
+    """The sentence of a fit that did not converge, "" for one that did."""
+    return "" if channel["status"] == "converged" else channel["status"]
