@@ -8,5 +8,5 @@ from a stored JSON file. Start with `format_text`; `write_page` and `figure` nee
 from ._errors import ReportError as ReportError
 from ._figures import figure as figure
 from ._json import write_json as write_json
-#from ._page import write_page as write_page
+from ._page import write_page as write_page
 from ._text import format_text as format_text

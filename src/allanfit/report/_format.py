@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal
 from typing import NamedTuple
 
+Number = int | float  # JSON writes a whole number without a point
+
 _SIGNIFICANT = 2
 _NO_INTERVAL_DIGITS = 4
 # Outside this range of magnitudes a plain decimal is harder to read than an exponent.
@@ -29,8 +31,13 @@ class Reading(NamedTuple):
         return " ".join(part for part in self if part)
 
 
-def _finite(number: float | None) -> bool:
+def _finite(number: Number | None) -> bool:
     return number is not None and math.isfinite(number)
+
+
+def _exact(number: Number) -> Decimal:
+    # Twelve digits drop the residue of a change of unit, which rounding up would make visible.
+    return Decimal(f"{number:.12g}")
 
 
 def _rounded(number: Decimal, place: int, rounding: str = ROUND_HALF_EVEN) -> Decimal:
@@ -45,11 +52,11 @@ def _is_scientific(number: Decimal) -> bool:
     return bool(number) and number.adjusted() not in _PLAIN_EXPONENTS
 
 
-def significant(number: float | None, digits: int = 4) -> str:
+def significant(number: Number | None, digits: int = 4) -> str:
     """A number without an interval, to `digits` significant digits; "undefined" if it is none."""
     if number is None or not math.isfinite(number):
         return "undefined"
-    exact = Decimal(repr(float(number)))
+    exact = _exact(number)
     if not exact:
         return "0"
     # A decimal that is shorter than the digits asked for is shown as it is: 100 Hz, not 100.0.
@@ -58,7 +65,7 @@ def significant(number: float | None, digits: int = 4) -> str:
     return _characters(rounded, _is_scientific(rounded))
 
 
-def reading(value: float | None, interval: Sequence[float | None] | None, unit: str) -> Reading:
+def reading(value: Number | None, interval: Sequence[Number | None] | None, unit: str) -> Reading:
     """A value with its interval, both in `unit`.
 
     A number that would be rounded to zero beside a much larger one keeps two digits of its own,
@@ -69,7 +76,7 @@ def reading(value: float | None, interval: Sequence[float | None] | None, unit: 
     low, high = interval if interval is not None and len(interval) == 2 else (None, None)
     if low is None or high is None or not (_finite(low) and _finite(high) and low < high):
         return Reading(significant(value, _NO_INTERVAL_DIGITS), "", unit)
-    numbers = [Decimal(repr(float(number))) for number in (value, low, high)]
+    numbers = [_exact(number) for number in (value, low, high)]
     place = ((numbers[2] - numbers[1]) / 2).adjusted() - _SIGNIFICANT + 1
     scientific = _is_scientific(max(numbers, key=abs))
 
@@ -84,23 +91,23 @@ def reading(value: float | None, interval: Sequence[float | None] | None, unit: 
     return Reading(middle, f"[{lower}, {upper}]", unit)
 
 
-def upper_limit(limit: float | None, unit: str) -> Reading:
+def upper_limit(limit: Number | None, unit: str) -> Reading:
     """The 95 % upper limit of a term that is not resolved, rounded up so that it stays a limit."""
     if limit is None or not math.isfinite(limit) or limit <= 0:
         return Reading("no limit", "", unit)
-    exact = Decimal(repr(float(limit)))
+    exact = _exact(limit)
     rounded = _rounded(exact, exact.adjusted() - _SIGNIFICANT + 1, ROUND_CEILING)
     return Reading(f"< {_characters(rounded, _is_scientific(rounded))}", "", unit)
 
 
-def p_value(probability: float) -> str:
+def p_value(probability: Number) -> str:
     """`p = 0.41`, `p = 3.2e-7` or `p < 1e-12`."""
     if probability < _SMALLEST_P_VALUE:
         return "p < 1e-12"
     return f"p = {significant(probability, 2)}"
 
 
-def duration(seconds: float) -> str:
+def duration(seconds: Number) -> str:
     """A length of time in the largest unit that it fills: `90 s`, `2.5 min`, `1 h`, `3.5 days`."""
     for size, name in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= (2 * size if size != 3600.0 else size):
@@ -110,4 +117,6 @@ def duration(seconds: float) -> str:
 
 def printable(text: str) -> str:
     """A user's string with control characters replaced, so that it cannot steer a terminal."""
-    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text)
+    return "".join(
+        letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text
+    )

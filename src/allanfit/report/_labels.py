@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 
 _MARGIN = 0.05  # in fractions of the axes: letters keep clear of the frame
 _FAR_ENOUGH = 0.12  # beyond this distance, more of it makes a place no better
+_TOO_CLOSE = 0.02  # the line runs along another, which the letter would hide
 _STEPS = 200
 
 
@@ -31,8 +32,8 @@ def _distance(places: np.ndarray, others: np.ndarray) -> np.ndarray:
 def label_lines(axes: Axes, lines: Mapping[str, Line2D], obstacles: Sequence[Line2D]) -> None:
     """Write each line's name on the line, clear of the other lines, the obstacles and the frame.
 
-    The axes must have their limits, from which distances follow. A line of which nothing is
-    within the frame gets no name.
+    The axes must have their limits, from which distances follow. A line that is
+    outside the frame, or everywhere close to another, gets no name.
     """
     paths = {name: _path(axes, line) for name, line in lines.items()}
     taken = [_path(axes, line) for line in obstacles]
@@ -43,10 +44,13 @@ def label_lines(axes: Axes, lines: Mapping[str, Line2D], obstacles: Sequence[Lin
         rivals = [other for rival, other in paths.items() if rival != name]
         blocks = [block for block in (*rivals, *taken) if len(block)]
         room = _distance(inside, np.concatenate(blocks)) if blocks else np.ones(len(inside))
+        if room.max() < _TOO_CLOSE:
+            continue
         place = inside[np.argmax(np.minimum(room, _FAR_ENOUGH))]
         taken.append(place[None])
         axes.text(
-            *place,
+            place[0],
+            place[1],
             name,
             transform=axes.transAxes,
             color=lines[name].get_color(),

@@ -8,8 +8,9 @@ import matplotlib.style
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import MaxNLocator, NullLocator
 
+from ._format import Number
 from ._labels import label_lines
 from ._units import squared_per_hertz, typeset
 
@@ -17,10 +18,15 @@ from ._units import squared_per_hertz, typeset
 # are neighbours on the curve have colours that also differ in lightness.
 _COLOURS = {"Q": "#CC79A7", "N": "#0072B2", "B": "#009E73", "K": "#D55E00", "R": "#E69F00"}
 _DATA_COLOUR = "#4D4D4D"
-_BAND_COLOUR = "#D9D9D9"
+_BAR_COLOUR = "#B3B3B3"
+_BAND_COLOUR = "#E6E6E6"
 _NORMAL_QUANTILE_95 = 1.959964
 _COLUMN_INCHES = (3.6, 4.8)
+_MARGIN_INCHES = (0.60, 0.10, 0.45, 0.06)  # left, right, bottom, top
+_TITLE_INCHES = 0.25
+_LABEL_POSITION = -0.15  # of the y labels, in widths of their axes
 _ROOM_BELOW_DATA = 3.0
+_LARGEST_LINEAR_RESIDUAL = 20.0
 
 _STYLE = {
     "font.size": 8,
@@ -38,6 +44,8 @@ _STYLE = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
+    "xtick.minor.top": False,
+    "ytick.minor.right": False,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "xtick.minor.width": 0.4,
@@ -79,7 +87,7 @@ class _Curve(NamedTuple):
         return np.log(self.data / self.model) / np.where(deviation > 0, deviation, np.nan)
 
 
-def _positive(numbers: Sequence[float | None] | None, size: int) -> np.ndarray:
+def _positive(numbers: Sequence[Number | None] | None, size: int) -> np.ndarray:
     """As an array with NaN for what a logarithmic axis cannot show."""
     if not numbers:
         return np.full(size, np.nan)
@@ -116,33 +124,54 @@ def _curve(channel: Mapping[str, Any], kind: str) -> _Curve:
 def draw(channel: Mapping[str, Any], curves: Sequence[str], title: bool) -> Figure:
     """The curves ("allan", "psd") of a channel side by side, each above its residuals."""
     with style():
-        width, height = _COLUMN_INCHES
-        sheet = Figure(figsize=(width * len(curves), height), layout="constrained")
+        sheet, panels = _sheet(len(curves), _TITLE_INCHES if title else 0.0)
         if title:
             sheet.suptitle(channel["channel"], fontsize=9, fontweight="bold", parse_math=False)
-        panels = sheet.subplots(
-            2, len(curves), sharex="col", squeeze=False, gridspec_kw={"height_ratios": (3, 1)}
-        )
-        resolved = {
-            symbol for symbol, entry in channel["coefficients"].items() if entry["resolved"]
-        }
         for column, kind in enumerate(curves):
             curve = _curve(channel, kind)
-            _draw_curve(panels[0, column], curve, resolved)
+            _draw_curve(panels[0, column], curve, channel["coefficients"])
             _draw_residuals(panels[1, column], curve)
         return sheet
 
 
-def _draw_curve(axes: Axes, curve: _Curve, resolved: set[str]) -> None:
+def _sheet(columns: int, room_for_title: float) -> tuple[Figure, np.ndarray]:
+    """An empty figure with two axes a column, one above the other.
+
+    Margins are fixed, since labels are of one size: a layout engine would draw everything twice.
+    """
+    width, height = _COLUMN_INCHES
+    left, right, bottom, top = _MARGIN_INCHES
+    sheet = Figure(figsize=(width * columns, height))
+    panels = sheet.subplots(
+        2,
+        columns,
+        sharex="col",
+        squeeze=False,
+        gridspec_kw={
+            "height_ratios": (3, 1),
+            "left": left / (width * columns),
+            "right": 1 - right / (width * columns),
+            "bottom": bottom / height,
+            "top": 1 - (top + room_for_title) / height,
+            "hspace": 0.06,
+            "wspace": (left + right) / (width - left - right),
+        },
+    )
+    for axes in panels.flat:
+        axes.yaxis.set_label_coords(_LABEL_POSITION, 0.5)
+    return sheet, panels
+
+
+def _draw_curve(axes: Axes, curve: _Curve, coefficients: Mapping[str, Any]) -> None:
     axes.set_ylabel(curve.y_label, parse_math=False)
     if not np.isfinite(curve.data).any():
+        axes.set_xticks([])
         _say_empty(axes)
         return
     axes.set_xscale("log")
     axes.set_yscale("log")
-    band = axes.fill_between(
-        curve.x, curve.low, curve.high, color=_BAND_COLOUR, linewidth=0, zorder=1.5
-    )
+    # Bars rather than a filled band, which would claim to know the curve between the points.
+    bars = axes.vlines(curve.x, curve.low, curve.high, color=_BAR_COLOUR, linewidth=0.9, zorder=2)
     (points,) = axes.plot(
         curve.x, curve.data, "o", color=_DATA_COLOUR, markersize=2.6, markeredgewidth=0, zorder=3
     )
@@ -155,11 +184,15 @@ def _draw_curve(axes: Axes, curve: _Curve, resolved: set[str]) -> None:
                 curve.x,
                 values,
                 color=_COLOURS.get(name, "black"),
-                linestyle="--" if name in resolved else ":",
+                linestyle="--" if coefficients[name]["resolved"] else ":",
                 zorder=2.5,
             )
     label_lines(axes, lines, obstacles=(points, fit))
-    axes.legend([(band, points), fit], ["data, 95 % band", "fit"], loc="best")
+    handles = {"data, 95 % interval": (bars, points), "fit": fit}
+    for name, line in lines.items():
+        doubt = "" if coefficients[name]["resolved"] else " (not resolved)"
+        handles[f"{name}  {coefficients[name]['name']}{doubt}"] = line
+    axes.legend(list(handles.values()), list(handles), loc="best")
 
 
 def _set_limits(axes: Axes, curve: _Curve) -> None:
@@ -179,22 +212,23 @@ def _draw_residuals(axes: Axes, curve: _Curve) -> None:
     if not np.isfinite(residual).any():
         _say_empty(axes)
         return
-    axes.axhspan(
-        -_NORMAL_QUANTILE_95, _NORMAL_QUANTILE_95, color=_BAND_COLOUR, alpha=0.6, linewidth=0
-    )
+    axes.axhspan(-_NORMAL_QUANTILE_95, _NORMAL_QUANTILE_95, color=_BAND_COLOUR, linewidth=0)
     axes.axhline(0.0, color="black", linewidth=0.8)
     axes.plot(curve.x, residual, "o", color=_DATA_COLOUR, markersize=2.6, markeredgewidth=0)
-    largest = float(np.nanmax(np.abs(residual)))
-    if largest > 10:
-        # A gross misfit would flatten everything else.
-        axes.set_yscale("symlog", linthresh=4.0, linscale=1.5)
-        axes.set_ylim(-2 * largest, 2 * largest)
-        axes.yaxis.set_minor_formatter(NullFormatter())
+    limit = max(4.0, 1.15 * float(np.nanmax(np.abs(residual))))
+    if limit > _LARGEST_LINEAR_RESIDUAL:
+        # A gross misfit would flatten everything else on a linear axis.
+        limit *= 1.5
+        axes.set_yscale("symlog", linthresh=10.0, linscale=1.0)
+        powers = 10.0 ** np.arange(1, int(np.log10(limit)) + 1)
+        axes.set_yticks([*-powers[::-1], 0.0, *powers])
+        axes.yaxis.set_minor_locator(NullLocator())
     else:
-        limit = max(4.0, 1.15 * largest)
-        axes.set_ylim(-limit, limit)
+        axes.yaxis.set_major_locator(MaxNLocator(5, integer=True, steps=[1, 2, 4, 5, 10]))
+    axes.set_ylim(-limit, limit)
 
 
 def _say_empty(axes: Axes) -> None:
+    axes.grid(visible=False)
     axes.set_yticks([])
     axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center")

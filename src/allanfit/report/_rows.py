@@ -3,7 +3,16 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ._format import Reading, duration, p_value, printable, reading, significant, upper_limit
+from ._format import (
+    Number,
+    Reading,
+    duration,
+    p_value,
+    printable,
+    reading,
+    significant,
+    upper_limit,
+)
 from ._units import Conversion, field_units, si_unit
 
 _SAMPLING = {"point": "point samples", "averaged": "samples averaged over their interval"}
@@ -58,7 +67,7 @@ def _row(symbol: str, entry: Mapping[str, Any], channel: Mapping[str, Any], span
 
 
 def _converted(entry: Mapping[str, Any], conversion: Conversion, resolved: bool) -> Reading:
-    def scaled(number: float | None) -> float | None:
+    def scaled(number: Number | None) -> float | None:
         return None if number is None else number * conversion.factor
 
     bounds = entry["intervals"].get("0.95") or (None, None)

@@ -1,0 +1,73 @@
+"""The page: everything about one fit in a single HTML file."""
+
+import os
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+from ._errors import report_extra
+from ._figures import svg
+from ._files import write_whole
+from ._rows import (
+    coefficient_rows,
+    description,
+    fit_sentence,
+    sampler_sentence,
+    warning_sentence,
+)
+from ._units import typeset
+
+
+def write_page(document: Mapping[str, Any], target: str | os.PathLike[str]) -> None:
+    """Write the report of a fit as one HTML page, to a path or to standard output for "-".
+
+    The page needs no other file, no network and no script, and two pages of one document are
+    equal byte for byte. The file is there whole or not at all.
+
+    **Arguments**: `document` is a fit document, schema `allanfit.fit/1`.
+
+    **Raises** `ReportError` when jinja2 or matplotlib is not installed, and when the file cannot
+    be written.
+
+    ```python
+    write_page(json.loads(Path("fit.json").read_text()), "fit.html")
+    ```
+    """
+    write_whole(_page(document), target)
+
+
+def _page(document: Mapping[str, Any]) -> str:
+    with report_extra():
+        from jinja2 import Environment, StrictUndefined
+        from markupsafe import Markup
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["typeset"] = typeset
+    folder = files("allanfit.report")
+    template = environment.from_string(folder.joinpath("page.html.jinja").read_text("utf-8"))
+    channels = [
+        {
+            "name": channel["channel"],
+            "unit": channel["unit"],
+            "description": description(channel),
+            "rows": coefficient_rows(channel),
+            "consistent": channel["goodness_of_fit"]["consistent"],
+            "fit": fit_sentence(channel),
+            "sampler": sampler_sentence(channel),
+            "warning": warning_sentence(channel),
+            "findings": channel["findings"],
+            # Drawn by us, every user's string in it escaped by matplotlib.
+            "allan": Markup(svg(channel, "allan", f"allan-{number}-")),
+            "psd": Markup(svg(channel, "psd", f"psd-{number}-")),
+        }
+        for number, channel in enumerate(document["channels"], start=1)
+    ]
+    return template.render(
+        recording=document["recording"],
+        findings=document["findings"],
+        version=document["allanfit_version"],
+        checksum=document["checksum"],
+        style=Markup(folder.joinpath("style.css").read_text("utf-8")),
+        channels=channels,
+    )
