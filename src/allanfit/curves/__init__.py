@@ -8,5 +8,6 @@ from ._cluster_sizes import cluster_sizes as cluster_sizes
 from ._design import Design as Design
 from ._design import design as design
 from ._design import unit_scale as unit_scale
+from ._input import as_series as as_series
 from ._statistics import Statistics as Statistics
 from ._statistics import statistics as statistics

@@ -7,11 +7,12 @@ on the host, for a sampling interval of one. `unit_scale` carries coefficients t
 """
 
 from functools import lru_cache
-from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling
 from ._cluster_sizes import cluster_sizes
@@ -26,32 +27,38 @@ RAMP_MODES = 32
 _LOW_MODES = 4096
 
 
-class Design(NamedTuple):
+# NumPy when made, traced when inside jit.
+_Array = np.ndarray | Array
+
+
+class Design(eqx.Module):
     """Expectations for a sampling interval of one; see the fields. All are NumPy float64.
 
     Fields with an axis of terms run over Q, N, B, K, squared.
     """
 
-    lengths: tuple[int, ...]
-    sampling: Sampling
+    lengths: tuple[int, ...] = eqx.field(static=True)
+    sampling: Sampling = eqx.field(static=True)
+    #: What takes the ramp out of each stretch.
+    projection: tuple[RampProjection, ...]
     #: Bin of each spectral ordinate, one array a stretch, shape (length - 2,).
-    bin_index: tuple[np.ndarray, ...]
+    bin_index: tuple[_Array, ...]
     #: Ordinates in each bin, shape (bins,), and their mean frequency in cycles per sample.
-    ordinates: np.ndarray
-    frequency: np.ndarray
+    ordinates: _Array
+    frequency: _Array
     #: Expected density in each bin, shape (bins, 4).
-    density: np.ndarray
+    density: _Array
     #: The ramp's odd coefficients and their variances, shapes (stretches, modes) and
     #: (stretches, modes, 4); zero and one where a short stretch has no such mode.
-    ramp: np.ndarray
-    ramp_variance: np.ndarray
+    ramp: _Array
+    ramp_variance: _Array
     #: Cluster sizes, number of overlapping differences, expected Allan variance (sizes, 5).
-    cluster_sizes: np.ndarray
-    differences: np.ndarray
-    allan: np.ndarray
+    cluster_sizes: _Array
+    differences: _Array
+    allan: _Array
 
 
-def unit_scale(dt):
+def unit_scale(dt: float | Float[Array, ""]) -> Float[Array, " terms"]:
     """Factor from a coefficient for dt = 1 to one in seconds, for Q, N, B, K, R: shape (5,)."""
     return jnp.stack([dt**term.seconds_power * jnp.ones(()) for term in STANDARD_TERMS])
 
@@ -70,7 +77,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
     density = np.zeros((bins, len(NOISE_TERMS)))
     ramp = np.zeros((len(lengths), RAMP_MODES))
     ramp_variance = np.ones((len(lengths), RAMP_MODES, len(NOISE_TERMS)))
-    bin_index = []
+    bin_index, projections = [], []
     for stretch, length in enumerate(lengths):
         order = np.arange(1, length, dtype=np.float64)
         stretch_frequency = order / (2 * length)
@@ -80,6 +87,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         ordinates += np.bincount(index, minlength=bins)
         frequency += np.bincount(index, stretch_frequency[1:], minlength=bins)
         projection = RampProjection(length)
+        projections.append(projection)
         odd = slice(0, 2 * RAMP_MODES, 2)
         modes = len(order[odd])
         ramp[stretch, :modes] = ramp_coefficients(length)[odd]
@@ -97,6 +105,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
     return Design(
         lengths=lengths,
         sampling=sampling,
+        projection=tuple(projections),
         bin_index=tuple(renumber[index].astype(np.int32) for index in bin_index),
         ordinates=ordinates[used],
         frequency=(frequency / count)[used],

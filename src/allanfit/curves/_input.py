@@ -13,6 +13,9 @@ def as_series(
     Values are not looked at, since they may be traced: a NaN in a sensor makes that sensor's
     result NaN and leaves the others as they are.
     """
+    if isinstance(data, np.ndarray) and data.dtype == np.float64 and data.ndim in (1, 2):
+        # Without x64, JAX rounds to float32: a large mean would drown the noise. No curve needs it.
+        data = data - np.mean(data, axis=-1, keepdims=True)
     series = jnp.asarray(data)
     if series.ndim not in (1, 2):
         raise ValueError(

@@ -12,6 +12,7 @@ A rate ramp is a mean and not a density. It fills the odd low coefficients, and 
 of them before they are squared, so that what is left knows nothing of it.
 """
 
+import equinox as eqx
 import jax.numpy as jnp
 import jax.scipy.fft
 import numpy as np
@@ -35,7 +36,7 @@ def ramp_coefficients(samples: int) -> Float[np.ndarray, " modes"]:
     return np.where(order % 2 == 1, ramp, 0.0)
 
 
-class RampProjection:
+class RampProjection(eqx.Module):
     """Replaces odd coefficients by as many less one that no ramp can change.
 
     With weights w_l that make coefficients of a plausible noise alike, z = w c holds the ramp
@@ -43,21 +44,28 @@ class RampProjection:
     z'_i = z_i - g_i sum_l h_l z_l. All arrays have shape (modes,).
     """
 
+    weight: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+    direction: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+    mix: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+
     def __init__(self, samples: int):
         order = np.arange(1, samples)
         self.weight = 1 / np.sqrt(1 / order**2 + 1 / _WALK_MODES**2)
         ramp = ramp_coefficients(samples) * self.weight
         # The sign is that of the first coefficient, so that the reflection is well conditioned.
         self.direction = -ramp / np.linalg.norm(ramp)
-        self.mix = self.direction / (1 + self.direction[0])
-        self.mix[0] = 1.0
+        first = np.arange(samples - 1) == 0
+        self.mix = np.where(first, 1.0, self.direction / (1 + self.direction[0]))
 
     def __call__(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
         """Squares of the projected coefficients of order 2 and up [u^2]."""
-        weighted = coefficients * self.weight.astype(coefficients.dtype)
-        along = jnp.sum(weighted * self.mix.astype(coefficients.dtype))
-        rest = weighted - self.direction.astype(coefficients.dtype) * along
-        return (rest[1:] / self.weight[1:].astype(coefficients.dtype)) ** 2
+        weight, direction, mix = (
+            jnp.asarray(array, coefficients.dtype)
+            for array in (self.weight, self.direction, self.mix)
+        )
+        weighted = coefficients * weight
+        rest = weighted - direction * jnp.sum(weighted * mix)
+        return (rest[1:] / weight[1:]) ** 2
 
     def expectation(self, variance: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " rest"]:
         """What `__call__` expects when the coefficients are independent with these variances."""

@@ -4,11 +4,13 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ._allan import overlapping_sums
+from ._cluster_sizes import cluster_sizes
 from ._design import RAMP_MODES, Design
-from ._spectrum import RampProjection, cosine_coefficients
+from ._spectrum import cosine_coefficients
 
 
 class Statistics(NamedTuple):
@@ -30,18 +32,20 @@ def statistics(stretches: tuple[Float[Array, " _"], ...], design: Design) -> Sta
     density = jnp.zeros(len(design.ordinates), stretches[0].dtype)
     allan = jnp.zeros(len(design.cluster_sizes), stretches[0].dtype)
     odd_modes = []
-    for x, index in zip(stretches, design.bin_index, strict=True):
+    for x, index, project in zip(stretches, design.bin_index, design.projection, strict=True):
         coefficients = cosine_coefficients(x)
-        ordinates = 2 * RampProjection(x.shape[0])(coefficients)
+        ordinates = 2 * project(coefficients)
         density += jax.ops.segment_sum(
             ordinates, index, num_segments=len(density), indices_are_sorted=True
         )
         odd = coefficients[: 2 * RAMP_MODES : 2]
         odd_modes.append(jnp.pad(odd, (0, RAMP_MODES - len(odd))))
-        sizes = design.cluster_sizes[2 * design.cluster_sizes <= x.shape[0]]
-        allan = allan.at[: len(sizes)].add(overlapping_sums(x, jnp.asarray(sizes)))
+        # Sizes too long for this stretch come last, and it has nothing to say about them.
+        reach = int(np.sum(2 * cluster_sizes(max(design.lengths)) <= x.shape[0]))
+        sizes = jnp.asarray(design.cluster_sizes[:reach])
+        allan = allan.at[:reach].add(overlapping_sums(x, sizes))
     return Statistics(
-        density / design.ordinates.astype(density.dtype),
-        allan / design.differences.astype(allan.dtype),
+        density / jnp.asarray(design.ordinates, density.dtype),
+        allan / jnp.asarray(design.differences, allan.dtype),
         jnp.stack(odd_modes),
     )

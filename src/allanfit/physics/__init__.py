@@ -12,6 +12,7 @@ from ._quantization import QuantizationNoise as QuantizationNoise
 from ._rate_ramp import RateRamp as RateRamp
 from ._rate_random_walk import RateRandomWalk as RateRandomWalk
 from ._term import AbstractNoiseTerm as AbstractNoiseTerm
+from ._term import Names as Names
 from ._term import Sampling as Sampling
 from ._term import coefficient_unit as coefficient_unit
 from ._white_noise import WhiteNoise as WhiteNoise

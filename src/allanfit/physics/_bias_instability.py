@@ -8,7 +8,7 @@ from jax.scipy.special import digamma, zeta
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from ._stationary import sample_from_autocovariance
-from ._term import AbstractNoiseTerm, Sampling
+from ._term import AbstractNoiseTerm, Names, Sampling
 
 _ALLAN_FLOOR = 2 * np.log(2) / np.pi
 
@@ -25,7 +25,7 @@ class BiasInstability(AbstractNoiseTerm):
 
     coefficient: Float[Array, ""]
     symbol: ClassVar[str] = "B"
-    name: ClassVar[str] = "bias instability"
+    names: ClassVar[Names] = Names("bias instability", "bias instability", "bias instability")
     seconds_power: ClassVar[float] = 0
 
     def density(

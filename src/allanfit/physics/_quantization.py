@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._term import AbstractNoiseTerm, Sampling
+from ._term import AbstractNoiseTerm, Names, Sampling
 
 
 class QuantizationNoise(AbstractNoiseTerm):
@@ -19,7 +19,7 @@ class QuantizationNoise(AbstractNoiseTerm):
 
     coefficient: Float[Array, ""]
     symbol: ClassVar[str] = "Q"
-    name: ClassVar[str] = "quantization"
+    names: ClassVar[Names] = Names("quantization", "quantization", "quantization")
     seconds_power: ClassVar[float] = 1
 
     def density(

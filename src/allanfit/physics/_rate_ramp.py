@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._term import AbstractNoiseTerm, Sampling
+from ._term import AbstractNoiseTerm, Names, Sampling
 
 
 class RateRamp(AbstractNoiseTerm):
@@ -17,7 +17,7 @@ class RateRamp(AbstractNoiseTerm):
 
     coefficient: Float[Array, ""]
     symbol: ClassVar[str] = "R"
-    name: ClassVar[str] = "rate ramp"
+    names: ClassVar[Names] = Names("rate ramp", "acceleration ramp", "ramp")
     seconds_power: ClassVar[float] = -1
 
     def density(

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._term import AbstractNoiseTerm, Sampling
+from ._term import AbstractNoiseTerm, Names, Sampling
 
 
 class RateRandomWalk(AbstractNoiseTerm):
@@ -18,7 +18,7 @@ class RateRandomWalk(AbstractNoiseTerm):
 
     coefficient: Float[Array, ""]
     symbol: ClassVar[str] = "K"
-    name: ClassVar[str] = "rate random walk"
+    names: ClassVar[Names] = Names("rate random walk", "acceleration random walk", "random walk")
     seconds_power: ClassVar[float] = -0.5
 
     def density(

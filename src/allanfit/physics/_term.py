@@ -18,13 +18,21 @@ right at small n and up to the Nyquist frequency.
 """
 
 import abc
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
 Sampling = Literal["point", "averaged"]
+
+
+class Names(NamedTuple):
+    """What the field calls a term on each kind of channel."""
+
+    gyro: str
+    accelerometer: str
+    other: str
 
 
 class AbstractNoiseTerm(eqx.Module):
@@ -35,7 +43,7 @@ class AbstractNoiseTerm(eqx.Module):
 
     coefficient: eqx.AbstractVar[Float[Array, ""]]
     symbol: eqx.AbstractClassVar[str]
-    name: eqx.AbstractClassVar[str]
+    names: eqx.AbstractClassVar[Names]
     #: The coefficient's unit is u s^seconds_power, spelled for people by `unit`.
     seconds_power: eqx.AbstractClassVar[float]
 

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._term import AbstractNoiseTerm, Sampling
+from ._term import AbstractNoiseTerm, Names, Sampling
 
 
 class WhiteNoise(AbstractNoiseTerm):
@@ -17,7 +17,7 @@ class WhiteNoise(AbstractNoiseTerm):
 
     coefficient: Float[Array, ""]
     symbol: ClassVar[str] = "N"
-    name: ClassVar[str] = "random walk"
+    names: ClassVar[Names] = Names("angle random walk", "velocity random walk", "white noise")
     seconds_power: ClassVar[float] = 0.5
 
     def density(

@@ -1,0 +1,11 @@
+"""From curves to coefficients: least squares, posterior, and whether the model fits.
+
+Start with `fit` for one sensor, `fit_many` for a batch, `sample` for emcee's posterior.
+"""
+
+from ._estimate import Estimate as Estimate
+from ._fit import Fit as Fit
+from ._fit import fit as fit
+from ._fit import fit_many as fit_many
+from ._sample import Posterior as Posterior
+from ._sample import sample as sample

@@ -1,0 +1,126 @@
+"""From the samples of one sensor to its coefficients: least squares, then a posterior.
+
+Everything here is pure JAX for one sensor; `vmap` serves many. Derivatives with respect to the
+samples are those of the least-squares solution: a posterior's width is held fixed.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, PRNGKeyArray
+
+from ..curves import Design, Statistics, statistics, unit_scale
+from ._ensemble import ensemble
+from ._goodness import goodness_of_fit
+from ._least_squares import LeastSquares, least_squares
+from ._posterior import Target, coordinates, log_posterior, starting_points
+from ._ramp import draw_ramps, ramp_posterior
+
+# Twice the log-likelihood that a term must add to count as seen: 2.5 % of records without the
+# term reach it, since half of them prefer the coefficient at zero.
+RESOLVED_DEVIANCE = 3.84
+# A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
+RESOLVED_RAMP_P = 0.005
+
+_WALKERS = 24
+_BURN_IN = 300
+_DRAWS = 200
+_THIN = 4
+
+
+class Estimate(eqx.Module):
+    """What is known of one sensor's coefficients, Q, N, B, K, R along axes of terms.
+
+    All numbers are in the unit of the samples and seconds.
+    """
+
+    statistics: Statistics
+    #: Least-squares coefficients, shape (5,); the ramp's is signed.
+    least_squares: Float[Array, " terms"]
+    #: Draws from the posterior, shape (draws, 5); the ramp's is signed.
+    draws: Float[Array, "draws terms"]
+    #: Sum of squares, and its rise when Q, N, B or K is left out, shapes () and (4,).
+    deviance: Float[Array, ""]
+    deviance_rise: Float[Array, " noise_terms"]
+    #: Two-sided p-value of a zero ramp, and of a misfit as large as this one.
+    ramp_p_value: Float[Array, ""]
+    goodness_of_fit: Float[Array, ""]
+    #: Whether the solver converged on finite data, and the sampler's acceptance.
+    converged: Bool[Array, ""]
+    acceptance: Float[Array, ""]
+
+    @property
+    def resolved(self) -> Bool[Array, " terms"]:
+        """Which terms the record shows: the model with it is preferred to the one without."""
+        seen = self.deviance_rise > RESOLVED_DEVIANCE
+        return jnp.append(seen, self.ramp_p_value < RESOLVED_RAMP_P)
+
+
+def as_design_dtype(design: Design, dtype) -> Design:
+    """The design with its floating arrays in the dtype of the samples."""
+    return jax.tree.map(
+        lambda leaf: jnp.asarray(leaf, dtype if jnp.issubdtype(leaf.dtype, jnp.floating) else None),
+        design,
+    )
+
+
+def target(found: Statistics, design: Design) -> Target:
+    """The spectrum that the coefficients are fitted to, normalised to a level near one."""
+    level = jax.lax.stop_gradient(jnp.median(found.density))
+    return Target(found.density / level, design.density / level, design.ordinates / 2)
+
+
+def solve(found: Statistics, design: Design) -> tuple[LeastSquares, Target]:
+    """The least-squares solution, and the normalised data it belongs to."""
+    data = target(found, design)
+    return least_squares(data.density, data.expected, data.shape), data
+
+
+def estimate(
+    stretches: tuple[Float[Array, " _"], ...],
+    design: Design,
+    dt: float | Float[Array, ""],
+    key: PRNGKeyArray,
+) -> Estimate:
+    """Identify one sensor from the stretches of its record, sampled every `dt` seconds."""
+    dtype = stretches[0].dtype
+    design = as_design_dtype(design, dtype)
+    found = statistics(stretches, design)
+    solution, data = solve(found, design)
+    scale = unit_scale(jnp.asarray(dt, dtype))
+
+    powers, acceptance = _fast_posterior(key, *jax.lax.stop_gradient((solution.power, data)))
+    modes = jax.lax.stop_gradient(found.odd_modes)
+    ramps, ramp_p_value = draw_ramps(jax.random.fold_in(key, 1), modes, powers, design)
+    ramp, _ = ramp_posterior(found.odd_modes, solution.power, design)
+    # A square root has no derivative at zero; a coefficient at zero stays there.
+    positive = solution.power > 0
+    coefficients = jnp.where(positive, jnp.sqrt(jnp.where(positive, solution.power, 1.0)), 0.0)
+    fitted = jnp.sum(positive)
+    return Estimate(
+        statistics=found,
+        least_squares=jnp.append(coefficients, ramp) * scale,
+        draws=jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1) * scale,
+        deviance=solution.deviance,
+        deviance_rise=solution.deviance_without - solution.deviance,
+        ramp_p_value=ramp_p_value,
+        goodness_of_fit=goodness_of_fit(solution.deviance, data.shape, fitted.astype(dtype)),
+        converged=solution.converged,
+        acceptance=acceptance,
+    )
+
+
+def _fast_posterior(
+    key: PRNGKeyArray, power: Float[Array, " terms"], data: Target
+) -> tuple[Float[Array, "draws terms"], Float[Array, ""]]:
+    space, deviation = coordinates(data, power)
+    start_key, chain_key = jax.random.split(key)
+    chain, acceptance = ensemble(
+        chain_key,
+        lambda x: log_posterior(x, data, space),
+        starting_points(start_key, power, deviation, space, _WALKERS),
+        burn_in=_BURN_IN,
+        draws=_DRAWS,
+        thin=_THIN,
+    )
+    return jax.vmap(space.power)(chain.reshape(-1, chain.shape[-1])), acceptance

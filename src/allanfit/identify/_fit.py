@@ -1,0 +1,162 @@
+"""`fit` and `fit_many`: arrays in, coefficients with intervals out."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..curves import Design, as_series, design
+from ..physics import SYMBOLS, Sampling
+from ._estimate import Estimate, estimate
+
+_SHORTEST = 256
+_SHORTEST_STRETCH = 16
+
+
+class Fit(eqx.Module):
+    """The noise coefficients of one sensor, or of many along a leading axis.
+
+    `coefficients` and the like are dictionaries by symbol, Q, N, B, K, R, of arrays of shape ()
+    or (sensors,), in the unit of the data u and seconds: Q in u s, N in u/sqrt(Hz), B in u,
+    K in u/sqrt(s), R in u/s.
+    """
+
+    estimate: Estimate
+    design: Design
+    rate_hz: float | Float[Array, ""]
+
+    @property
+    def coefficients(self) -> dict[str, Float[Array, "*sensors"]]:
+        """Posterior medians; their derivatives are those of `least_squares`."""
+        least_squares = jnp.abs(self.estimate.least_squares)
+        shift = jax.lax.stop_gradient(self._quantile(0.5) - least_squares)
+        return _by_symbol(least_squares + shift)
+
+    @property
+    def least_squares(self) -> dict[str, Float[Array, "*sensors"]]:
+        """The least-squares solution itself: zero where a term fits best when absent."""
+        return _by_symbol(jnp.abs(self.estimate.least_squares))
+
+    @property
+    def intervals(self) -> dict[str, Float[Array, "*sensors 2"]]:
+        """95 % intervals, as `interval(0.95)`."""
+        return self.interval(0.95)
+
+    @property
+    def resolved(self) -> dict[str, Bool[Array, "*sensors"]]:
+        """Whether the record shows each term; `upper_limits` bound those that it does not."""
+        return _by_symbol(self.estimate.resolved)
+
+    @property
+    def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
+        """One-sided 95 % limits."""
+        return _by_symbol(self._quantile(0.95))
+
+    @property
+    def converged(self) -> Bool[Array, "*sensors"]:
+        """False where the data was not finite or the solver failed; its numbers mean nothing."""
+        return self.estimate.converged
+
+    @property
+    def goodness_of_fit(self) -> Float[Array, "*sensors"]:
+        """p-value of the five-term model; below 0.01 something is left out of it."""
+        return self.estimate.goodness_of_fit
+
+    def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
+        """Equal-tailed intervals of resolved terms; from zero up for the others."""
+        tail = (1 - probability) / 2
+        low = jnp.where(self.estimate.resolved, self._quantile(tail), 0.0)
+        high = jnp.where(
+            self.estimate.resolved, self._quantile(1 - tail), self._quantile(probability)
+        )
+        return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
+
+    def with_draws(self, draws: Float[np.ndarray, "draws terms"]) -> "Fit":
+        """The same fit with another sampler's draws behind its intervals."""
+        dtype = self.estimate.draws.dtype
+        return eqx.tree_at(lambda fit: fit.estimate.draws, self, jnp.asarray(draws, dtype))
+
+    def _quantile(self, probability: float) -> Float[Array, "*sensors terms"]:
+        # The ramp's sign says which way the mean drifts, its size how much.
+        return jnp.quantile(jnp.abs(self.estimate.draws), probability, axis=-2)
+
+
+def fit(
+    data: Float[Array, " samples"] | np.ndarray,
+    rate_hz: float,
+    *,
+    sampling: Sampling = "point",
+    seed: int = 0,
+    stretches: tuple[tuple[int, int], ...] | None = None,
+) -> Fit:
+    """Identify the five noise coefficients of one still sensor, with intervals.
+
+    The model's expectation of the spectrum and of the Allan variance is fitted by least squares,
+    then its posterior is sampled in JAX. `allanfit.sample` does the latter with emcee.
+
+    **Arguments:**
+
+    - `data`: samples, in any unit u, shape (samples,), at least 256.
+    - `rate_hz`: samples per second.
+    - `sampling`: "point" if a sample is the signal at an instant, "averaged" if its mean over
+      the interval. It matters only for flicker and random walk near the sampling rate.
+    - `seed`: of the posterior's draws; the same seed gives the same numbers.
+    - `stretches`: (start, stop) pairs of usable, gap-free runs; by default the whole record.
+
+    **Raises:** `ValueError` for a wrong shape, too few samples or a rate that is not positive.
+    A NaN in the data makes `Fit.converged` false instead, so that one broken sensor in a batch
+    leaves the others alone.
+    """
+    series = as_series(data, rate_hz)
+    if series.ndim != 1:
+        raise ValueError(
+            f"data must be one sensor, shape (samples,); got {series.shape}. Batches go to fit_many"
+        )
+    stretches = ((0, series.shape[0]),) if stretches is None else stretches
+    lengths = tuple(stop - start for start, stop in stretches)
+    _check_lengths(lengths)
+    layout = design(lengths, sampling)
+    pieces = tuple(series[start:stop] for start, stop in stretches)
+    found = _estimate_one(pieces, layout, 1 / rate_hz, jax.random.key(seed))
+    return Fit(found, layout, rate_hz)
+
+
+def fit_many(
+    data: Float[Array, "sensors samples"] | np.ndarray,
+    rate_hz: float,
+    *,
+    sampling: Sampling = "point",
+    seed: int = 0,
+) -> Fit:
+    """`fit` for a batch of sensors with records of one length, shape (sensors, samples).
+
+    Each sensor stands alone: one full of NaN has `converged` false and leaves the others'
+    numbers as they are.
+    """
+    series = as_series(data, rate_hz)
+    if series.ndim != 2:
+        raise ValueError(f"data must have shape (sensors, samples); got {series.shape}")
+    _check_lengths(series.shape[1:])
+    layout = design(series.shape[1:], sampling)
+    keys = jax.vmap(jax.random.fold_in, (None, 0))(
+        jax.random.key(seed), jnp.arange(series.shape[0])
+    )
+    return Fit(_estimate_many((series,), layout, 1 / rate_hz, keys), layout, rate_hz)
+
+
+_estimate_one = eqx.filter_jit(estimate)
+_estimate_many = eqx.filter_jit(jax.vmap(estimate, in_axes=(0, None, None, 0)))
+
+
+def _check_lengths(lengths: tuple[int, ...]) -> None:
+    if sum(lengths) < _SHORTEST or min(lengths, default=0) < _SHORTEST_STRETCH:
+        raise ValueError(
+            f"a fit needs at least {_SHORTEST} samples in stretches of at least "
+            f"{_SHORTEST_STRETCH}; got stretches of {list(lengths)}"
+        )
+
+
+def _by_symbol(values: Array, axis: int = -1) -> dict[str, Array]:
+    return {symbol: jnp.take(values, i, axis=axis) for i, symbol in enumerate(SYMBOLS)}
+

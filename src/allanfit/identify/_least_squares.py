@@ -1,0 +1,143 @@
+"""Least squares for coefficients that may be zero."""
+
+import itertools
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import lineax as lx
+import numpy as np
+import optimistix as optx
+from jaxtyping import Array, Bool, Float
+
+from ._likelihood import Powers, deviance_residuals, fisher_information, log_likelihood
+
+# Every choice of terms that are present, the empty one left out.
+_FACES = np.array([face for face in itertools.product((False, True), repeat=4) if any(face)])
+_SCORING_STEPS = 40
+_STEP_LENGTHS = np.array([1.0, 0.5, 0.2, 0.05, 0.01, 0.0])
+_POLISHING_STEPS = 64
+
+
+class LeastSquares(NamedTuple):
+    """The solution, and what it costs to leave each term out."""
+
+    #: Squared coefficients, exactly zero where that fits best, shape (4,).
+    power: Powers
+    #: Sum of squares at the solution, and with each term left out, shapes () and (4,).
+    deviance: Float[Array, ""]
+    deviance_without: Float[Array, " terms"]
+    #: Whether the solver met its tolerance.
+    converged: Bool[Array, ""]
+
+
+def least_squares(
+    density: Float[Array, " bins"],
+    expected: Float[Array, "bins terms"],
+    shape: Float[Array, " bins"],
+) -> LeastSquares:
+    """Fit non-negative squared coefficients to a binned spectrum.
+
+    A coefficient that wants to be zero sits on a bound. Fisher scoring with the bounds inside
+    finds which ones do: each step solves its quadratic problem exactly, by trying every face of
+    the positive orthant, so that it cannot stop at a wrong corner. Optimistix then solves the
+    least-squares problem in the logarithms of the others, to full precision and with derivatives
+    by the implicit function theorem.
+    """
+    scale = _envelope(density, expected, shape)
+    scaled = expected * scale
+    allowed = jnp.concatenate([jnp.ones((1, 4), bool), ~jnp.eye(4, dtype=bool)])
+    constants = jax.lax.stop_gradient((density, scaled, shape))
+    powers = jax.vmap(_score, (None, None, None, 0))(*constants, allowed)
+    deviances = jax.vmap(
+        lambda power: jnp.sum(deviance_residuals(power, density, scaled, shape) ** 2)
+    )(powers)
+    present = powers[0] > 0
+
+    def residuals(log_power, data):
+        misfit = deviance_residuals(
+            jnp.where(present, jnp.exp(log_power), 0.0), data, scaled, shape
+        )
+        # Absent terms have no influence; holding them keeps the normal equations regular.
+        return misfit, jnp.where(present, 0.0, log_power)
+
+    tolerance = 10 * float(jnp.finfo(density.dtype).eps) ** 0.6
+    solution = optx.least_squares(
+        residuals,
+        optx.LevenbergMarquardt(tolerance, tolerance, linear_solver=lx.Normal(lx.Cholesky())),
+        jnp.where(present, jnp.log(jnp.where(present, powers[0], 1.0)), 0.0),
+        args=density,
+        max_steps=_POLISHING_STEPS,
+        throw=False,
+    )
+    power = jnp.where(present, jnp.exp(solution.value), 0.0)
+    deviance = jnp.sum(deviance_residuals(power, density, scaled, shape) ** 2)
+    return LeastSquares(
+        power * scale,
+        deviance,
+        deviances[1:],
+        (solution.result == optx.RESULTS.successful) & jnp.isfinite(deviance),
+    )
+
+
+def _envelope(
+    density: Float[Array, " bins"],
+    expected: Float[Array, "bins terms"],
+    shape: Float[Array, " bins"],
+) -> Powers:
+    """About the largest value of each term that nowhere stands above the data, for a scale.
+
+    Five bins together have enough degrees of freedom not to touch zero by chance.
+    """
+    kernel = jnp.ones(5, density.dtype)
+    together = jax.vmap(lambda column: jnp.convolve(column, kernel, "valid"), 1, 1)
+    weight = shape[:, None]
+    ratio = together(weight * density[:, None]) / together(weight * expected)
+    return jax.lax.stop_gradient(jnp.min(ratio, axis=0))
+
+
+def _score(
+    density: Float[Array, " bins"],
+    expected: Float[Array, "bins terms"],
+    shape: Float[Array, " bins"],
+    allowed: Bool[Array, " terms"],
+) -> Powers:
+    """Fisher scoring within the positive orthant, the terms not `allowed` held at zero."""
+    lengths = jnp.asarray(_STEP_LENGTHS, density.dtype)
+
+    def step(power, _):
+        mean = expected @ power
+        gradient = expected.T @ (shape * (density - mean) / mean**2)
+        target = _quadratic_maximum(
+            fisher_information(power, expected, shape), gradient, power, allowed
+        )
+        candidates = power + lengths[:, None] * (target - power)
+        likelihood = jax.vmap(log_likelihood, (0, None, None, None))(
+            candidates, density, expected, shape
+        )
+        likelihood = jnp.where(jnp.isnan(likelihood), -jnp.inf, likelihood)
+        return candidates[jnp.argmax(likelihood)], None
+
+    start = jnp.where(allowed, 0.5, 0.0).astype(density.dtype)
+    return jax.lax.scan(step, start, None, length=_SCORING_STEPS)[0]
+
+
+def _quadratic_maximum(
+    curvature: Float[Array, "terms terms"],
+    gradient: Powers,
+    power: Powers,
+    allowed: Bool[Array, " terms"],
+) -> Powers:
+    """The maximum over non-negative powers of a quadratic, exactly, over its 15 faces."""
+    linear = gradient + curvature @ power
+
+    def on_face(face):
+        free = face & allowed
+        block = jnp.where(free[:, None] & free, curvature, jnp.diag(jnp.diag(curvature)))
+        solution = jnp.linalg.solve(block, jnp.where(free, linear, 0.0))
+        value = linear @ solution - solution @ curvature @ solution / 2
+        return solution, jnp.where(jnp.all(solution >= 0), value, -jnp.inf)
+
+    solutions, values = jax.vmap(on_face)(jnp.asarray(_FACES))
+    best = solutions[jnp.argmax(values)]
+    return jnp.where(jnp.isfinite(jnp.max(values)), best, power)
