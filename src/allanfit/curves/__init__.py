@@ -5,9 +5,14 @@ Start with `allan_variance` and `psd`.
 
 from ._allan import allan_variance as allan_variance
 from ._cluster_sizes import cluster_sizes as cluster_sizes
+from ._covariance import JointCovariance as JointCovariance
+from ._covariance import allan_variance_deviation as allan_variance_deviation
+from ._covariance import joint_covariance as joint_covariance
 from ._design import Design as Design
 from ._design import design as design
 from ._design import unit_scale as unit_scale
 from ._input import as_series as as_series
+from ._psd import Spectrum as Spectrum
+from ._psd import psd as psd
 from ._statistics import Statistics as Statistics
 from ._statistics import statistics as statistics

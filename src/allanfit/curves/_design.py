@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling
+from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
 from ._spectrum import RampProjection, ramp_coefficients
 
@@ -66,7 +67,9 @@ def unit_scale(dt: float | Float[Array, ""]) -> Float[Array, " terms"]:
 @lru_cache(maxsize=32)
 def design(lengths: tuple[int, ...], sampling: Sampling = "point") -> Design:
     """The design of a record with stretches of these lengths, each of at least 16 samples."""
-    edges = _bin_edges(max(lengths))
+    # From order 2: the first coefficient goes with the ramp.
+    spacing = 1 / (2 * max(lengths))
+    edges = logarithmic_edges(2 * spacing, spacing, BINS_PER_DECADE)
     with jax.enable_x64(True):
         return _design(lengths, sampling, edges)
 
@@ -122,19 +125,6 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
             axis=-1,
         ),
     )
-
-
-def _bin_edges(length: int) -> np.ndarray:
-    """Logarithmic edges in cycles per sample, never closer than the spacing of the ordinates."""
-    spacing = 1 / (2 * length)
-    growth = 10 ** (1 / BINS_PER_DECADE) - 1
-    edges = [1.5 * spacing]
-    while edges[-1] < 0.5:
-        width = max(1, round(edges[-1] * growth / spacing))
-        edges.append(edges[-1] + width * spacing)
-    if len(edges) > 2 and edges[-1] - 0.5 > (edges[-1] - edges[-2]) / 2:
-        del edges[-2]
-    return np.asarray(edges)
 
 
 def _expected_ordinates(

@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
 from ..curves import Design, Statistics, statistics, unit_scale
 from ._ensemble import ensemble
-from ._goodness import goodness_of_fit
+from ._goodness import goodness_of_fit, score
 from ._least_squares import LeastSquares, least_squares
 from ._posterior import Target, coordinates, log_posterior, starting_points
 from ._ramp import draw_ramps, ramp_posterior
@@ -45,6 +45,8 @@ class Estimate(eqx.Module):
     #: Two-sided p-value of a zero ramp, and of a misfit as large as this one.
     ramp_p_value: Float[Array, ""]
     goodness_of_fit: Float[Array, ""]
+    #: Standard deviations of Q^2 that the data ask for at zero Q: negative for a low-pass filter.
+    quantization_score: Float[Array, ""]
     #: Whether the solver converged on finite data, and the sampler's acceptance.
     converged: Bool[Array, ""]
     acceptance: Float[Array, ""]
@@ -89,6 +91,7 @@ def estimate(
     solution, data = solve(found, design)
     scale = unit_scale(jnp.asarray(dt, dtype))
 
+    power = jax.lax.stop_gradient(solution.power)
     powers, acceptance = _fast_posterior(key, *jax.lax.stop_gradient((solution.power, data)))
     modes = jax.lax.stop_gradient(found.odd_modes)
     ramps, ramp_p_value = draw_ramps(jax.random.fold_in(key, 1), modes, powers, design)
@@ -105,6 +108,7 @@ def estimate(
         deviance_rise=solution.deviance_without - solution.deviance,
         ramp_p_value=ramp_p_value,
         goodness_of_fit=goodness_of_fit(solution.deviance, data.shape, fitted.astype(dtype)),
+        quantization_score=score(power, data.density, data.expected, data.shape)[0],
         converged=solution.converged,
         acceptance=acceptance,
     )

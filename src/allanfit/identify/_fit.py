@@ -1,4 +1,6 @@
-"""`fit` and `fit_many`: arrays in, coefficients with intervals out."""
+"""Arrays in, coefficients with intervals out: one sensor or a batch."""
+
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -72,6 +74,13 @@ class Fit(eqx.Module):
         )
         return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
+    def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
+        """The fit JSON of one sensor, with the name and unit that its array does not carry."""
+        # A document is made of a recording's channel, which knows this class.
+        from ._recording_fit import series_document
+
+        return series_document(self, channel, unit)
+
     def with_draws(self, draws: Float[np.ndarray, "draws terms"]) -> "Fit":
         """The same fit with another sampler's draws behind its intervals."""
         dtype = self.estimate.draws.dtype
@@ -82,7 +91,7 @@ class Fit(eqx.Module):
         return jnp.quantile(jnp.abs(self.estimate.draws), probability, axis=-2)
 
 
-def fit(
+def fit_series(
     data: Float[Array, " samples"] | np.ndarray,
     rate_hz: float,
     *,
@@ -129,7 +138,7 @@ def fit_many(
     sampling: Sampling = "point",
     seed: int = 0,
 ) -> Fit:
-    """`fit` for a batch of sensors with records of one length, shape (sensors, samples).
+    """Identify a batch of sensors with records of one length, shape (sensors, samples).
 
     Each sensor stands alone: one full of NaN has `converged` false and leaves the others'
     numbers as they are.

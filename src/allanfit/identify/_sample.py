@@ -1,6 +1,7 @@
 """The posterior by emcee, with the diagnostics that say whether to believe it."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import emcee
 import jax
@@ -52,6 +53,20 @@ class Posterior:
             max(self.r_hat.values()) < _WANTED_R_HAT
             and min(self.effective_sample_size.values()) >= _WANTED_SAMPLES
         )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The `posterior` of the fit JSON."""
+        return {
+            "sampler": "emcee",
+            "draws": self.draws.shape[0] * self.draws.shape[1],
+            "effective_sample_size": {
+                symbol: round(value) for symbol, value in self.effective_sample_size.items()
+            },
+            "r_hat": self.r_hat,
+            "acceptance_fraction": self.acceptance_fraction,
+            "converged": self.converged,
+            "seed": self.seed,
+        }
 
 
 def sample(

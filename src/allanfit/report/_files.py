@@ -4,6 +4,7 @@ import os
 import sys
 from pathlib import Path
 
+from ..whole_file import replacing
 from ._errors import ReportError
 
 
@@ -26,23 +27,10 @@ def write_whole(text: str, target: str | os.PathLike[str]) -> None:
         if path.exists() and not path.is_file():
             path.write_bytes(content)  # a device or a pipe cannot be replaced
         else:
-            _replace(content, path)
+            with replacing(path) as part:
+                part.write_bytes(content)
     except OSError as error:
         raise ReportError(
             f"Cannot write {os.fspath(target)} ({error.strerror or error}): "
             "give a path in a folder that exists, is writable and has space."
         ) from error
-
-
-def _replace(content: bytes, path: Path) -> None:
-    # The process number keeps two runs apart; `tempfile` would make the report private to its
-    # owner, where a plain `open` follows the user's umask.
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)

@@ -1,0 +1,120 @@
+"""Read noise coefficients from a file: a fit's JSON, or a few lines of YAML or JSON."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .physics import SYMBOLS
+
+
+class CoefficientsError(ValueError):
+    """A coefficients file cannot be used; one sentence says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The coefficients of one channel, in its unit and seconds."""
+
+    channel: str
+    unit: str
+    values: dict[str, float]
+    sampling: str = "point"
+    bias: float = 0.0
+
+
+def read_coefficients(path: str | Path, channels: list[str] | None = None) -> list[Coefficients]:
+    """The coefficients of each channel of a file.
+
+    A fit's JSON (schema allanfit.fit/1) gives every channel, with the values that its figure
+    draws: medians, and no ramp where none is resolved. Any other JSON or YAML file is a mapping
+    of symbols to numbers, with an optional `unit`, for one channel named `data`:
+
+        unit: deg/s
+        N: 0.005
+        B: 0.001
+
+    **Raises:** `CoefficientsError` if the file is missing, no such mapping, or lacks a channel.
+    """
+    path = Path(path)
+    document = _parse(path)
+    if "channels" in document:
+        found = [_from_fit(entry, path) for entry in document["channels"]]
+    else:
+        found = [_from_mapping(document, path)]
+    names = [entry.channel for entry in found]
+    missing = sorted(set(channels or []) - set(names))
+    if missing:
+        raise CoefficientsError(
+            f"{path.name} has no channel {missing[0]!r}; it has {', '.join(names)}."
+        )
+    return [entry for entry in found if not channels or entry.channel in channels]
+
+
+def _parse(path: Path) -> Mapping[str, Any]:
+    import yaml  # an extra, needed here alone
+
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise CoefficientsError(f"Cannot read coefficients from {path.name}: {reason}.") from error
+    except yaml.YAMLError as error:
+        raise CoefficientsError(
+            f"{path.name} is neither JSON nor YAML; give a fit's JSON or lines such as `N: 0.005`."
+        ) from error
+    if not isinstance(document, Mapping):
+        raise CoefficientsError(
+            f"{path.name} holds no coefficients; give a fit's JSON or lines such as `N: 0.005`."
+        )
+    return document
+
+
+def _from_fit(entry: Any, path: Path) -> Coefficients:
+    try:
+        values = {
+            symbol: float(entry["coefficients"][symbol]["value"])
+            for symbol in SYMBOLS
+            # Half of all ramps that cannot be seen point the other way.
+            if symbol != "R" or entry["coefficients"][symbol]["resolved"]
+        }
+        return Coefficients(
+            entry["channel"],
+            entry["unit"],
+            _checked(values, path),
+            entry.get("sampling", "point"),
+            float(entry.get("mean", 0.0)),
+        )
+    except (KeyError, TypeError) as error:
+        raise CoefficientsError(
+            f"{path.name} is not a complete fit JSON; write it again with allanfit fit --json."
+        ) from error
+
+
+def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
+    unknown = sorted(str(key) for key in set(document) - {*SYMBOLS, "unit", "sampling"})
+    if unknown:
+        raise CoefficientsError(
+            f"{path.name} names {unknown[0]!r}; known are {', '.join(SYMBOLS)}, unit and sampling."
+        )
+    sampling = document.get("sampling", "point")
+    if sampling not in ("point", "averaged"):
+        raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
+    values = {symbol: document[symbol] for symbol in SYMBOLS if symbol in document}
+    if not values:
+        raise CoefficientsError(
+            f"{path.name} holds none of the coefficients {', '.join(SYMBOLS)}."
+        )
+    return Coefficients("data", str(document.get("unit", "")), _checked(values, path), sampling)
+
+
+def _checked(values: Mapping[str, Any], path: Path) -> dict[str, float]:
+    for symbol, value in values.items():
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (number and math.isfinite(value) and value >= 0):
+            raise CoefficientsError(
+                f"{symbol} in {path.name} must be a number, zero or more; got {value!r}."
+            )
+    return {symbol: float(value) for symbol, value in values.items()}

@@ -1,0 +1,211 @@
+"""A whole recording: every channel fitted, with findings, and its JSON document."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, overload
+
+import jax
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
+from ..recording import Channel, Recording
+from ._curves_document import curves_document
+from ._fit import Fit, fit_series
+from ._sample import Posterior, sample
+
+SCHEMA = "allanfit.fit/1"
+# Below this the five-term model is said not to fit.
+_MISFIT = 0.01
+# Standard deviations by which the spectrum must fall short near the Nyquist frequency.
+_DEFICIT = 3.0
+
+
+@dataclass(frozen=True)
+class ChannelFit:
+    """One channel's fit, with what the recording says about the channel."""
+
+    channel: Channel
+    fit: Fit
+    posterior: Posterior | None
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What the reader should know before trusting the numbers, one sentence each."""
+        found = list(self.channel.findings)
+        if not bool(self.fit.converged):
+            found.append("The fit did not converge; its numbers mean nothing.")
+            return tuple(found)
+        p_value = float(self.fit.goodness_of_fit)
+        if p_value < _MISFIT:
+            found.append(
+                f"The five terms do not explain this recording (p = {p_value:.1g}): something is "
+                "left out of the model, and the coefficients carry its mark."
+            )
+        if float(self.fit.estimate.quantization_score) < -_DEFICIT:
+            found.append(
+                "The spectrum falls toward the Nyquist frequency, which would take a negative Q^2: "
+                "a low-pass filter or repeated samples. N is then read too low, and B and K are "
+                "not to be trusted."
+            )
+        if self.posterior is not None and not self.posterior.converged:
+            worst = max(self.posterior.r_hat.values())
+            found.append(f"The sampler has not settled (R-hat {worst:.3f}): intervals are rough.")
+        return tuple(found)
+
+    def to_dict(self) -> dict[str, Any]:
+        """This channel's entry in the fit JSON, in the unit that the user gave."""
+        channel, result = self.channel, self.fit
+        factor = channel.factor
+        used = sum(result.design.lengths)
+        return {
+            "channel": channel.name,
+            "unit": channel.unit,
+            "si_unit": channel.si_unit,
+            "kind": channel.kind,
+            "rate_hz": float(result.rate_hz),
+            "samples": used,
+            "duration_s": used / float(result.rate_hz),
+            "sampling": result.design.sampling,
+            "mean": float(np.mean(_usable(channel))) / factor,
+            "status": "converged" if bool(result.converged) else "the fit did not converge",
+            "coefficients": self._coefficients(),
+            "goodness_of_fit": {
+                "p_value": _number(result.goodness_of_fit),
+                "consistent": bool(result.goodness_of_fit >= _MISFIT),
+            },
+            "posterior": None if self.posterior is None else self.posterior.to_dict(),
+            "curves": curves_document(result, factor),
+            "findings": list(self.findings),
+        }
+
+    def _coefficients(self) -> dict[str, Any]:
+        result, factor = self.fit, self.channel.factor
+        values, limits, resolved = result.coefficients, result.upper_limits, result.resolved
+        intervals = {"0.68": result.interval(0.68), "0.95": result.interval(0.95)}
+        document = {}
+        for term in STANDARD_TERMS:
+            symbol = term.symbol
+            seen = bool(resolved[symbol])
+            document[symbol] = {
+                "name": _name(term.names, self.channel.kind),
+                "unit": coefficient_unit(term, self.channel.unit),
+                "value": _number(values[symbol] / factor),
+                "least_squares": _number(result.least_squares[symbol] / factor),
+                "resolved": seen,
+                "upper_limit_95": None if seen else _number(limits[symbol] / factor),
+                "intervals": {
+                    level: [_number(end / factor) for end in interval[symbol]]
+                    for level, interval in intervals.items()
+                },
+            }
+        return document
+
+
+@dataclass(frozen=True)
+class RecordingFit:
+    """The fits of all channels of a recording."""
+
+    recording: Recording
+    channels: tuple[ChannelFit, ...]
+
+    def __getitem__(self, name: str) -> ChannelFit:
+        """The fit of the channel of that name; `KeyError` if there is none."""
+        return {channel.channel.name: channel for channel in self.channels}[name]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fit JSON, schema allanfit.fit/1."""
+        return {
+            "schema": SCHEMA,
+            "recording": self.recording.name,
+            "checksum": self.recording.checksum,
+            "allanfit_version": version("allanfit"),
+            "findings": list(self.recording.findings),
+            "channels": [channel.to_dict() for channel in self.channels],
+        }
+
+
+def fit_recording(
+    recording: Recording,
+    *,
+    posterior: bool = True,
+    sampling: Sampling = "point",
+    seed: int = 0,
+    announce: Callable[[str], None] = lambda channel: None,
+    done: Callable[[], None] = lambda: None,
+) -> RecordingFit:
+    """Fit every channel of a recording.
+
+    **Arguments:**
+
+    - `recording`: from `allanfit.load`.
+    - `posterior`: sample with emcee and report its diagnostics; otherwise intervals come from
+      the posterior that `fit` samples in JAX, the same to within a few per cent of their width.
+    - `announce`, `done`: called with each channel's name before its fit, and after it.
+    """
+    fits = []
+    for channel in recording.channels:
+        announce(channel.name)
+        result = fit_series(
+            channel.samples,
+            recording.rate_hz,
+            sampling=sampling,
+            seed=seed,
+            stretches=channel.stretches,
+        )
+        drawn = None
+        if posterior and bool(result.converged):
+            drawn = sample(result, seed=seed)
+            result = result.with_draws(drawn.draws.reshape(-1, len(STANDARD_TERMS)))
+        fits.append(ChannelFit(channel, jax.device_get(result), drawn))
+        done()
+    return RecordingFit(recording, tuple(fits))
+
+
+@overload
+def fit(data: Recording, **options: Any) -> RecordingFit: ...
+@overload
+def fit(data: Float[Array, " samples"] | np.ndarray, rate_hz: float, **options: Any) -> Fit: ...
+def fit(
+    data: Recording | Float[Array, " samples"] | np.ndarray,
+    rate_hz: float | None = None,
+    **options: Any,
+) -> RecordingFit | Fit:
+    """Identify the five noise coefficients of a still sensor, with intervals.
+
+    An array of one sensor's samples goes with its `rate_hz` to a `Fit`, in pure JAX, with the
+    options of `fit_series`. A `Recording` from `allanfit.load` goes to a `RecordingFit` of all
+    its channels, with the options of `fit_recording`.
+
+    **Raises:** `ValueError` for a wrong shape, too few samples, or a rate that is missing.
+    """
+    if isinstance(data, Recording):
+        if rate_hz is not None:
+            raise ValueError("a Recording knows its rate; give rate_hz to allanfit.load instead")
+        return fit_recording(data, **options)
+    if rate_hz is None:
+        raise ValueError("an array needs rate_hz, in samples per second")
+    return fit_series(data, rate_hz, **options)
+
+
+def series_document(result: Fit, name: str, unit: str) -> dict[str, Any]:
+    """The fit JSON of an array, as that of a recording with one channel."""
+    samples = np.zeros(sum(result.design.lengths))
+    channel = Channel(name, unit, 1.0, unit, "other", samples, ((0, len(samples)),), ())
+    recording = Recording(name, float(result.rate_hz), (channel,), (), (), "")
+    return RecordingFit(recording, (ChannelFit(channel, result, None),)).to_dict()
+
+
+def _usable(channel: Channel) -> np.ndarray:
+    return np.concatenate([channel.samples[start:stop] for start, stop in channel.stretches])
+
+
+def _name(names: Names, kind: str) -> str:
+    return {"gyro": names.gyro, "accelerometer": names.accelerometer}.get(kind, names.other)
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if math.isfinite(value) else None
+

@@ -1,0 +1,11 @@
+"""A still recording from a file, checked and in SI units.
+
+Start with `load`. It returns a `Recording`, whose channels carry their samples, the stretches of
+them that can be used, and findings: one plain sentence for everything that is wrong with them.
+"""
+
+from ._load import load as load
+from ._recording import Channel as Channel
+from ._recording import Recording as Recording
+from ._recording import RecordingError as RecordingError
+from ._save import save as save

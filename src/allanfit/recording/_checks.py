@@ -1,0 +1,210 @@
+"""What is wrong with samples, told from the samples alone."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from ._recording import Channel
+from ._timestamps import SHORTEST_STRETCH
+from ._units import parse_unit
+from ._wording import percent
+
+FEWEST_SAMPLES = 256
+"""Below this no noise coefficient can be told from another."""
+
+_GRAVITY = 9.80665
+# Values looked at for the code width: enough to meet every code, and quick to sort.
+_ENOUGH = 200_000
+_WINDOW = 64
+
+
+def split(
+    finite: Bool[np.ndarray, " samples"], breaks: tuple[int, ...]
+) -> tuple[tuple[int, int], ...]:
+    """`[start, stop)` of each run of finite samples between `breaks` that is long enough to use."""
+    starts = finite.copy()
+    starts[1:] &= ~finite[:-1]
+    starts[list(breaks)] = finite[list(breaks)]
+    stops = finite.copy()
+    stops[:-1] &= ~finite[1:]
+    before = np.asarray(breaks, dtype=int) - 1
+    stops[before] = finite[before]
+    runs = zip(np.flatnonzero(starts).tolist(), (np.flatnonzero(stops) + 1).tolist(), strict=True)
+    return tuple((start, stop) for start, stop in runs if stop - start >= SHORTEST_STRETCH)
+
+
+def usable(
+    samples: Float64[np.ndarray, " samples"], stretches: tuple[tuple[int, int], ...]
+) -> Float64[np.ndarray, " usable"]:
+    """The samples inside the stretches, end to end."""
+    if stretches == ((0, samples.size),):
+        return samples
+    return np.concatenate([samples[:0], *(samples[start:stop] for start, stop in stretches)])
+
+
+def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
+    """Why these usable samples cannot be analysed at all; empty when they can."""
+    if samples.size < FEWEST_SAMPLES:
+        return f"it has {samples.size} usable samples, and at least {FEWEST_SAMPLES} are needed"
+    if samples.min() == samples.max():
+        return "it is constant"
+    steps = np.diff(samples)
+    if steps.min() > 0 or steps.max() < 0:
+        return "it changes the same way at every sample, as a counter or time stamps do"
+    return ""
+
+
+def about_samples(
+    samples: Float64[np.ndarray, " samples"],
+    stretches: tuple[tuple[int, int], ...],
+    unit: str,
+    rate_hz: float,
+) -> tuple[str, ...]:
+    """Findings on the samples of one channel, given in the user's `unit`."""
+    values = usable(samples, stretches)
+    width = code_width(values)
+    # Within short windows and over most of them: neither drift nor a few outliers count as noise.
+    windows = values[: values.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
+    sigma = float(np.median(windows.std(axis=1)))
+    # Values held for longer than a window show no noise in it and need not be coarse for that.
+    coarse = width > 0.75 * (sigma or np.std(_fresh(values)))
+    rails = () if coarse else _rails(values, width)
+    return (
+        *_about_lost(samples, stretches, values.size, rate_hz),
+        *_about_rails(values, rails, unit),
+        *_about_repeats(values, rails, width),
+        *(_about_width(values, width, sigma, unit) if coarse else ()),
+    )
+
+
+def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
+    """The difference between neighbouring output codes, in the unit of `samples`.
+
+    Tiny for samples that are not rounded at all, 0 for constant ones.
+    """
+    fresh = _fresh(samples)
+    steps = np.diff(np.unique(fresh[:: 1 + fresh.size // _ENOUGH]))
+    # A code stored in floating point may come out as several values close together.
+    steps = steps[steps > 1e-4 * np.std(fresh)] if steps.size else steps
+    if steps.size == 0:
+        return 0.0
+    small = np.quantile(steps, 0.1)
+    return float(steps[steps < 1.5 * small].mean())
+
+
+def _fresh(samples: Float64[np.ndarray, " usable"]) -> Float64[np.ndarray, " fresh"]:
+    """The values just after a change, so that one met once in a million samples is among them."""
+    return samples[1:][np.diff(samples) != 0]
+
+
+def about_gravity(channels: Sequence[Channel]) -> tuple[str, ...]:
+    """A finding when three accelerometers measure gravity, but in another unit than the stated."""
+    axes = [channel for channel in channels if channel.kind == "accelerometer"]
+    if len(axes) != 3:
+        return ()
+    felt = np.linalg.norm([np.nanmean(axis.samples) / axis.factor for axis in axes])
+    for name in ("m/s^2", "g", "mg"):
+        factor = parse_unit(name).factor
+        if factor != axes[0].factor and abs(felt * factor / _GRAVITY - 1) < 0.05:
+            return (
+                f"The three accelerometers feel {felt:.4g} {axes[0].unit} in all, which would be "
+                f"gravity in {name}: if so, give --unit {name}.",
+            )
+    return ()
+
+
+def _about_lost(
+    samples: Float64[np.ndarray, " samples"],
+    stretches: tuple[tuple[int, int], ...],
+    used: int,
+    rate_hz: float,
+) -> tuple[str, ...]:
+    broken = np.count_nonzero(~np.isfinite(samples))
+    stray = samples.size - used - broken
+    findings = ()
+    if broken:
+        findings += (
+            f"{broken} samples ({broken / rate_hz:.3g} s) are missing or not finite and are left "
+            f"out; the longest of {len(stretches)} usable stretches has "
+            f"{max(stop - start for start, stop in stretches) / rate_hz:.4g} s.",
+        )
+    if stray:
+        findings += (
+            f"{stray} samples ({stray / rate_hz:.3g} s) stand in stretches shorter than "
+            f"{SHORTEST_STRETCH} samples and are left out.",
+        )
+    return findings
+
+
+def _rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, ...]:
+    """The extreme values at which samples pile up."""
+    extremes = (values.min(), values.max())
+    rails = []
+    for rail in extremes:
+        at_rail = np.count_nonzero(values == rail)
+        next_code = np.count_nonzero(np.abs(values - rail) < 1.5 * width) - at_rail
+        if at_rail > max(10, 1e-4 * values.size, 3 * next_code):
+            rails.append(float(rail))
+    return tuple(rails)
+
+
+def _about_rails(
+    values: Float64[np.ndarray, " usable"], rails: tuple[float, ...], unit: str
+) -> tuple[str, ...]:
+    return tuple(
+        f"{percent(np.mean(values == rail))} of the samples stand exactly at the extreme value "
+        f"{rail:.4g} {unit}".rstrip()
+        + ": the output was saturated."
+        for rail in rails
+    )
+
+
+def _about_repeats(
+    values: Float64[np.ndarray, " usable"], rails: tuple[float, ...], width: float
+) -> tuple[str, ...]:
+    """Samples that repeat the one before, where rounding alone would not make them.
+
+    First differences of noise are log-concave in distribution, so two bins next to zero bound
+    what zero may hold by chance. Values mixed from coarser codes make other steps frequent too,
+    so zero has to stand out of these as well. Held samples do both, however coarse the codes are.
+    """
+    steps = np.diff(values)
+    steps = steps[~np.isin(values[1:], rails)]
+    repeats = np.count_nonzero(steps == 0) / values.size
+    changes = steps[steps != 0]
+    codes = np.round(np.abs(changes[:: 1 + changes.size // _ENOUGH]) / width)
+    bin_codes = max(1, int(np.median(codes)) // 2)
+    # Both as the share of all steps that falls on one code, either sign.
+    scale = changes.size / (codes.size * steps.size * 2 * bin_codes)
+    near = np.count_nonzero(codes <= bin_codes) * scale
+    far = np.count_nonzero((codes > bin_codes) & (codes <= 2 * bin_codes)) * scale
+    if far < 0.1 * near:
+        # Hardly a step of more than one code: rounding explains any number of repeats.
+        return ()
+    chance = max(
+        near * (near / far) ** ((bin_codes + 1) / (2 * bin_codes)),
+        np.unique_counts(codes).counts.max() / codes.size * changes.size / (2 * steps.size),
+    )
+    if repeats < max(0.01 + chance, 1.5 * chance, 10 / values.size):
+        return ()
+    return (
+        f"{percent(repeats)} of the samples repeat the one before, where chance explains "
+        f"{percent(chance)} at most: the sensor is read faster than it gives fresh values.",
+    )
+
+
+def _about_width(
+    values: Float64[np.ndarray, " usable"], width: float, sigma: float, unit: str
+) -> tuple[str, ...]:
+    repeats = np.count_nonzero(np.diff(values) == 0) / values.size
+    size = (
+        f"as large as the noise (standard deviation {sigma:.3g} {unit}".rstrip() + ")"
+        if sigma
+        else "larger than the noise"
+    )
+    return (
+        f"The code width, {width:.3g} {unit}".rstrip()
+        + f", is {size}, and {percent(repeats)} of the samples repeat the one before: rounding "
+        "hides part of the noise.",
+    )

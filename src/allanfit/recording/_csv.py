@@ -1,0 +1,275 @@
+"""Tables in text: columns of numbers below an optional header."""
+
+import csv
+import gzip
+import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from ._recording import RecordingError, Table
+from ._timestamps import is_time
+
+_MISSING = ("", "NA", "N/A", "#N/A", "null", "NULL", "None")
+_COMMENT = ("#", "%")
+_BRACKETED = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+# Enough for any header and the first lines below it.
+_HEAD = 65_536
+# Integers of more digits lose some as floats; time stamps in ns since 1970 have 19.
+_EXACT_DIGITS = 15
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """How the text is to be cut into columns."""
+
+    names: list[str]
+    units: dict[str, str]
+    first: list[str]
+    """The fields of the first line of numbers."""
+    separator: str
+    """One character; a blank stands for any white space."""
+    decimal_comma: bool
+    body: int
+    """Where in the text the numbers begin, as an offset in bytes."""
+    line: int
+    """The number of the line there, counted from 1."""
+
+
+def read_csv(path: Path) -> Table:
+    """Columns of numbers from `.csv`, `.txt` or either of them gzipped.
+
+    **Raises** `RecordingError` when the file is no such table, with the line that is in the way.
+    """
+    text = _text(path)
+    layout = _layout(path.name, text)
+    frame = _parse(path.name, _body(text, layout), layout)
+    columns, findings = {}, ()
+    for name, column in zip(layout.names, frame.get_columns(), strict=True):
+        if column.dtype == pl.String:
+            findings += (f"The column {name} holds text and is left out.",)
+        elif column.null_count() < column.len():
+            columns[name] = column.to_numpy()
+    return Table(columns, layout.units, findings=findings)
+
+
+def _text(path: Path) -> bytes:
+    data = path.read_bytes()
+    if path.suffix == ".gz":
+        try:
+            data = gzip.decompress(data)
+        except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+            raise RecordingError(
+                f"{path.name} is not a complete gzip file: it may be cut off or of another kind."
+            ) from error
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    if not data.strip():
+        raise RecordingError(f"{path.name} is empty.")
+    if b"\0" in data[:_HEAD]:
+        raise RecordingError(
+            f"{path.name} is not plain text: a spreadsheet has to be saved as CSV in UTF-8."
+        )
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return data
+
+
+def _decode(line: bytes) -> str:
+    try:
+        return line.decode()
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
+
+
+def _layout(file: str, text: bytes) -> _Layout:
+    lines = [_decode(line) for line in text[:_HEAD].split(b"\n")]
+    if len(text) > _HEAD:
+        # The last one is cut in two.
+        lines = lines[:-1]
+    filled = [
+        k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_COMMENT)
+    ]
+    if not filled:
+        raise RecordingError(f"{file} holds no table of numbers.")
+    # The first line may be a header in words, the second is one of numbers in any good file.
+    separator = _separator(lines[filled[:2][-1]])
+    rows = [_fields(lines[k], separator) for k in filled]
+    comma = separator != "," and any(
+        _DECIMAL_COMMA.fullmatch(field) for row in rows for field in row
+    )
+    start = next(
+        (at for at, row in enumerate(rows) if any(_is_number(field, comma) for field in row)), None
+    )
+    if start is None:
+        raise RecordingError(f"{file} holds no table of numbers.")
+    first, fields = filled[start], rows[start]
+    if start > 1:
+        raise RecordingError(
+            f"{file}: {start} lines stand above the numbers, the first {lines[filled[0]]!r:.60}, "
+            "and only one header line may: remove the others or begin them with #."
+        )
+    _check_numbers(f"{file}, line {first + 1}", lines[first], separator)
+    if start == 1:
+        header = rows[0]
+        _check_header(f"{file}, line {filled[0] + 1}", header, fields)
+    else:
+        header = _commented(lines[:first], separator)
+        if not all(_is_number(field, comma) or field in _MISSING for field in fields):
+            raise RecordingError(
+                f"{file}, line {first + 1}: {lines[first]!r:.60} mixes numbers and text: give the "
+                "file a header line."
+            )
+    names, units = _names(file, header, len(fields))
+    offset = 0
+    for _ in range(first):
+        offset = text.index(b"\n", offset) + 1
+    return _Layout(names, units, fields, separator, comma, offset, first + 1)
+
+
+def _separator(line: str) -> str:
+    return next((mark for mark in "\t;," if mark in line), " ")
+
+
+def _fields(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        # A unit in brackets belongs to the name before it.
+        fields = re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", line)
+    else:
+        fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    return [field.strip().strip('"') for field in fields]
+
+
+def _is_number(field: str, decimal_comma: bool) -> bool:
+    try:
+        float(field.replace(",", ".") if decimal_comma else field)
+    except ValueError:
+        return False
+    return True
+
+
+def _check_numbers(where: str, line: str, separator: str) -> None:
+    fields = _fields(line, separator)
+    if separator == "," and any(re.fullmatch(r"[-+\d.]+\s+[-+\d.]+", field) for field in fields):
+        raise RecordingError(
+            f"{where}: {line!r:.60} mixes commas and blanks: write decimal points, or put "
+            "semicolons between the columns."
+        )
+
+
+def _check_header(where: str, header: list[str], fields: list[str]) -> None:
+    if len(header) in (len(fields), len(fields) - (not fields[-1])):
+        return
+    hint = ""
+    if len(fields) == 2 * len(header):
+        hint = " (for decimal commas, put semicolons between the columns)"
+    raise RecordingError(
+        f"{where}: {' '.join(header)!r:.60} has {len(header)} fields and the numbers below it "
+        f"{len(fields)}: correct it or begin it with #{hint}."
+    )
+
+
+def _commented(above: list[str], separator: str) -> list[str]:
+    """The fields of the last comment above the numbers, which often is a header."""
+    comments = [line for line in above if line.lstrip().startswith(_COMMENT)]
+    if not comments:
+        return []
+    return _fields(comments[-1].lstrip().lstrip("".join(_COMMENT)), separator)
+
+
+def _names(file: str, header: list[str], count: int) -> tuple[list[str], dict[str, str]]:
+    """Names of `count` columns and the units that stand in brackets behind them."""
+    if len(header) == count - 1:
+        # Lines that end in a separator.
+        header = [*header, ""]
+    if len(header) != count:
+        header = ["data"] if count == 1 else [""] * count
+    names, units = [], {}
+    for position, field in enumerate(header, start=1):
+        bracketed = _BRACKETED.fullmatch(field)
+        name = (bracketed[1] if bracketed else field) or f"channel_{position}"
+        if name in names:
+            raise RecordingError(f"{file} has two columns named {name}: rename one.")
+        names.append(name)
+        if bracketed:
+            units[name] = bracketed[2].strip()
+    return names, units
+
+
+def _body(text: bytes, layout: _Layout) -> bytes:
+    body = text[layout.body :]
+    if layout.separator == " ":
+        body = re.sub(rb"[ \t]+", b" ", body)
+        body = re.sub(rb"(?m)^ | $", b"", body)
+    elif b" " in body:
+        # White space around a field makes it text to the parser.
+        mark = re.escape(layout.separator.encode())
+        body = re.sub(rb"(?m) +(?=%b)|(?<=%b) +|^ +| +$" % (mark, mark), b"", body)
+    if b"\n\n" in body:
+        # A blank line is no sample.
+        body = re.sub(rb"\n\n+", b"\n", body)
+    return body
+
+
+def _parse(file: str, body: bytes, layout: _Layout) -> pl.DataFrame:
+    def read(types: list[type[pl.DataType]]) -> pl.DataFrame:
+        return pl.read_csv(
+            body,
+            has_header=False,
+            schema={str(k): kind for k, kind in enumerate(types)},
+            separator=layout.separator,
+            decimal_comma=layout.decimal_comma,
+            null_values=list(_MISSING),
+            comment_prefix="#",
+            encoding="utf8-lossy",
+        )
+
+    types = [
+        _type(name, field, layout.decimal_comma)
+        for name, field in zip(layout.names, layout.first, strict=True)
+    ]
+    try:
+        frame = read(types)
+    except pl.exceptions.ComputeError:
+        # Once more as text, now only to say where the obstacle is.
+        try:
+            frame = read([pl.String for _ in types])
+        except pl.exceptions.ComputeError as error:
+            raise _ragged(file, body, layout) from error
+    for position, name in enumerate(layout.names):
+        column = frame.to_series(position)
+        if column.dtype == pl.String:
+            text = column.str.replace(",", ".") if layout.decimal_comma else column
+            failed = (
+                text.cast(pl.Float64, strict=False).is_null() & column.is_not_null()
+            ).to_numpy()
+            # A word among numbers is an obstacle, a column of words is only left out.
+            if failed.any() and (types[position] != pl.String or np.mean(failed) < 0.5):
+                row = int(np.argmax(failed))
+                raise RecordingError(
+                    f"{file}, line {layout.line + row}, column {name}: {column[row]!r:.40} is not "
+                    "a number."
+                )
+    return frame
+
+
+def _ragged(file: str, body: bytes, layout: _Layout) -> RecordingError:
+    count = len(layout.names)
+    for row, line in enumerate(body.split(b"\n")):
+        found = line.count(layout.separator.encode()) + 1
+        if found > count:
+            return RecordingError(
+                f"{file}, line {layout.line + row} has {found} fields, and the first line of "
+                f"numbers has {count}."
+            )
+    return RecordingError(f"{file} has a quotation mark that is not closed.")
+
+
+def _type(name: str, field: str, decimal_comma: bool) -> type[pl.DataType]:
+    if not _is_number(field, decimal_comma) and field not in _MISSING:
+        return pl.String
+    exact = is_time(_BRACKETED.sub(r"\1", name)) and field.isdigit() and len(field) > _EXACT_DIGITS
+    return pl.Int64 if exact else pl.Float64

@@ -1,0 +1,257 @@
+"""From a file to a checked recording: `load`."""
+
+import hashlib
+import math
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ._checks import about_gravity, about_samples, split, usable, why_useless
+from ._csv import read_csv
+from ._npz import read_npy, read_npz
+from ._recording import Channel, Recording, RecordingError, Table
+from ._timestamps import Clock, is_time, read_clock
+from ._units import Unit, parse_unit
+
+_READERS = {".csv": read_csv, ".txt": read_csv, ".npy": read_npy, ".npz": read_npz}
+
+_AUXILIARY = re.compile(r"temp|mag", re.IGNORECASE)
+_KIND_BY_NAME = (
+    ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)", re.IGNORECASE)),
+    ("accelerometer", re.compile(r"acc", re.IGNORECASE)),
+)
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    rate_hz: float | None = None,
+    channels: Sequence[str] | None = None,
+    unit: str | None = None,
+) -> Recording:
+    """Read a still recording, check it and convert it to SI units.
+
+    **Arguments:**
+
+    - `path`: a `.csv`, `.txt` (either may be gzipped: `.csv.gz`), `.npy` or `.npz` file. A column
+        named `time`, `time_s`, `timestamp` or `t` holds time stamps.
+    - `rate_hz`: samples a second. Without it the file's own is used, or else the time stamps'.
+    - `channels`: names of the channels to analyse. Without it all are but temperatures,
+        magnetometers and time stamps.
+    - `unit`: the unit of the channels, `deg/s` for instance, in place of the file's. It applies
+        to channels that have none or one of the same kind.
+
+    **Returns:** a `Recording`. What is wrong with it but does not forbid an analysis is said in
+    its `findings` and those of its channels. Nothing is interpolated: gaps and values that are
+    not finite divide a channel into `stretches`.
+
+    **Raises** `RecordingError` when the file cannot be read, no rate is known, a unit or a channel
+    is unknown, or no channel has 256 usable samples that vary.
+
+    ```python
+    recording = allanfit.load("gyro.csv", rate_hz=200.0, unit="deg/s")
+    recording.channels[0].samples  # in rad/s
+    ```
+    """
+    path = Path(path)
+    if rate_hz is not None:
+        _check_rate(rate_hz, "the rate given")
+    if isinstance(channels, str):
+        channels = (channels,)
+    table = _read(path)
+    if rate_hz is None and table.rate_hz is not None:
+        rate_hz = table.rate_hz
+        _check_rate(rate_hz, f"rate_hz in {path.name}")
+    stamps = next((name for name in table.columns if is_time(name)), None)
+    names = [name for name in table.columns if not is_time(name)]
+    asked = _asked(path, names, channels)
+    _check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
+    clock = _clock(path, table, stamps, rate_hz)
+    units = _units(asked, table, unit)
+    findings = [*table.findings, *clock.findings, *_about_units(units)]
+    kept = []
+    for name in asked:
+        values = table.columns[name].astype(np.float64)
+        stretches = split(np.isfinite(values), clock.breaks)
+        useless = why_useless(usable(values, stretches))
+        if useless and (channels or len(asked) == 1):
+            raise RecordingError(f"{path.name}: channel {name} cannot be analysed: {useless}.")
+        if useless:
+            findings.append(f"The channel {name} is left out: {useless}.")
+            continue
+        about = about_samples(values, stretches, units[name].name, clock.rate_hz)
+        kept.append(_channel(name, values, units[name], stretches, about))
+    if not kept:
+        raise RecordingError(f"{path.name} has no channel to analyse. {findings[-1]}")
+    digest = hashlib.sha256()
+    for channel in kept:
+        digest.update(channel.samples.data)
+    return Recording(
+        name=path.name,
+        rate_hz=clock.rate_hz,
+        channels=tuple(kept),
+        auxiliary=_auxiliary(table, names, asked, clock),
+        findings=(*findings, *about_gravity(kept)),
+        checksum=digest.hexdigest(),
+    )
+
+
+def _read(path: Path) -> Table:
+    suffix = path.with_suffix("").suffix if path.suffix == ".gz" else path.suffix
+    reader = _READERS.get(suffix.lower())
+    if path.suffix == ".gz" and reader is not read_csv:
+        reader = None
+    try:
+        if path.is_dir():
+            raise RecordingError(f"{path} is a folder: give the file of a recording.")
+        if not path.exists():
+            raise RecordingError(f"There is no file {path}.")
+        if reader is None:
+            raise RecordingError(
+                f"{path.name}: the file type '{path.suffix}' is not known; a recording is a .csv, "
+                ".csv.gz, .txt, .npy or .npz file."
+            )
+        if path.stat().st_size == 0:
+            raise RecordingError(f"{path.name} is empty.")
+        return reader(path)
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror or error}.") from error
+
+
+def _check_rate(rate_hz: float, origin: str) -> None:
+    if not (math.isfinite(rate_hz) and rate_hz > 0):
+        raise RecordingError(
+            f"A rate is a positive number of samples a second; {origin} is {rate_hz}."
+        )
+
+
+def _asked(path: Path, names: list[str], channels: Sequence[str] | None) -> list[str]:
+    if not channels:
+        chosen = [name for name in names if not _AUXILIARY.match(name)]
+        if not chosen:
+            there = f": it holds {', '.join(names)}, which --channel can ask for" if names else ""
+            raise RecordingError(f"{path.name} has no inertial channel{there}.")
+        return chosen
+    for name in channels:
+        if name not in names:
+            raise RecordingError(
+                f"{path.name} has no channel {name}; it has {', '.join(names) or 'none'}."
+            )
+    return list(dict.fromkeys(channels))
+
+
+def _check_lengths(path: Path, table: Table, names: list[str]) -> None:
+    lengths = {table.columns[name].size: name for name in names}
+    if len(lengths) > 1:
+        told = " and ".join(f"{name} has {length}" for length, name in list(lengths.items())[:2])
+        raise RecordingError(
+            f"{path.name}: channels sampled together have equally many samples, but {told}."
+        )
+
+
+def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) -> Clock:
+    if stamps is None:
+        if rate_hz is None:
+            raise RecordingError(
+                " ".join(
+                    (
+                        f"{path.name} tells no sampling rate, neither by rate_hz nor by time "
+                        "stamps: give it with --rate, in Hz.",
+                        *table.findings,
+                    )
+                )
+            )
+        return Clock(rate_hz, (), ())
+    try:
+        clock = read_clock(table.columns[stamps], stamps, table.units.get(stamps, ""), rate_hz)
+    except RecordingError as error:
+        if rate_hz is None:
+            raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error
+        return Clock(rate_hz, (), (f"{error} Gaps, if there are any, are not seen.",))
+    return clock if rate_hz is None else Clock(rate_hz, clock.breaks, clock.findings)
+
+
+def _units(names: list[str], table: Table, override: str | None) -> dict[str, Unit]:
+    """The unit of each channel, `override` put in place where it fits."""
+    given = None if override is None else parse_unit(override)
+    units = {name: _unit(name, table.units.get(name, ""), given) for name in names}
+    if given is not None and given not in units.values():
+        raise RecordingError(
+            f"The unit {given.name} fits none of the channels: "
+            + ", ".join(f"{name} is in {unit.name or 'no unit'}" for name, unit in units.items())
+            + "."
+        )
+    return units
+
+
+def _unit(name: str, stated: str, given: Unit | None) -> Unit:
+    if _AUXILIARY.match(name):
+        return Unit(stated, si_unit=stated)
+    try:
+        unit = parse_unit(stated)
+    except RecordingError:
+        if given is None:
+            raise
+        unit = Unit("")
+    if given is None:
+        return unit
+    kind = unit.kind if unit.name else _kind_by_name(name)
+    fits = kind in (None, given.kind) or (given.kind == "other" and not unit.name)
+    return given if fits else unit
+
+
+def _kind_by_name(name: str) -> str | None:
+    return next((kind for kind, pattern in _KIND_BY_NAME if pattern.search(name)), None)
+
+
+def _about_units(units: dict[str, Unit]) -> list[str]:
+    findings = []
+    bare = [name for name, unit in units.items() if not unit.name]
+    if bare:
+        findings.append(
+            f"No unit is known for {', '.join(bare)}: results are in the unit of the samples; "
+            "give one, as in --unit deg/s or --unit m/s^2, for those of a data sheet."
+        )
+    for name, unit in units.items():
+        expected = _kind_by_name(name)
+        if unit.kind != "other" and expected not in (None, unit.kind):
+            findings.append(f"The unit {unit.name} of {name} is not one of a {expected}.")
+    return findings
+
+
+def _channel(
+    name: str,
+    values: np.ndarray,
+    unit: Unit,
+    stretches: tuple[tuple[int, int], ...],
+    findings: tuple[str, ...],
+) -> Channel:
+    return Channel(
+        name=name,
+        unit=unit.name,
+        factor=unit.factor,
+        si_unit=unit.si_unit,
+        kind=unit.kind,
+        samples=values * unit.factor,
+        stretches=stretches,
+        findings=findings,
+    )
+
+
+def _auxiliary(
+    table: Table, names: list[str], asked: list[str], clock: Clock
+) -> tuple[Channel, ...]:
+    """Temperatures and magnetometers, sampled with the channels and not among them."""
+    length = table.columns[asked[0]].size
+    auxiliary = []
+    for name in names:
+        column = table.columns[name]
+        if _AUXILIARY.match(name) and name not in asked and column.size == length:
+            values = column.astype(np.float64)
+            unit = table.units.get(name, "")
+            stretches = split(np.isfinite(values), clock.breaks)
+            auxiliary.append(_channel(name, values, Unit(unit, si_unit=unit), stretches, ()))
+    return tuple(auxiliary)

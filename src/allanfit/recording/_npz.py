@@ -1,0 +1,122 @@
+"""NumPy's own files: one array (`.npy`), or named arrays together (`.npz`)."""
+
+import json
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from ._recording import RecordingError, Table
+
+_UNITS_EXAMPLE = '{"gyro_x": "deg/s"}'
+
+
+def read_npy(path: Path) -> Table:
+    """A channel, or one column a channel, or one field of a structured array a channel.
+
+    **Raises** `RecordingError` when the file is damaged or holds anything else.
+    """
+    array = _read(path)
+    if not isinstance(array, np.ndarray):
+        raise RecordingError(f"{path.name} is an .npz file in truth: rename it.")
+    if array.dtype.names is not None:
+        columns = {name: array[name] for name in array.dtype.names}
+        for name, column in columns.items():
+            _check(path, name, column)
+        return Table(columns, {})
+    _check(path, "the array", array, axes=(1, 2))
+    if array.ndim == 1:
+        return Table({"data": array}, {})
+    # A recording has more samples than channels, whichever way round it was saved.
+    rows = array if array.shape[1] > array.shape[0] else array.T
+    if len(rows) == 1:
+        return Table({"data": rows[0]}, {})
+    return Table({f"channel_{k}": row for k, row in enumerate(rows, start=1)}, {})
+
+
+def read_npz(path: Path) -> Table:
+    """Each 1-D array a channel, `rate_hz` a single number, `units` a JSON string.
+
+    **Raises** `RecordingError` when the file is damaged or an array cannot be used.
+    """
+    archive = _read(path)
+    if isinstance(archive, np.ndarray):
+        raise RecordingError(f"{path.name} is an .npy file in truth: rename it.")
+    with archive:
+        arrays = {name: _member(path, archive, name) for name in archive.files}
+    units = _units(path, arrays.pop("units", None))
+    rate_hz = _rate(path, arrays.pop("rate_hz", None))
+    columns, findings = {}, ()
+    for name, array in arrays.items():
+        if array.ndim == 1 and array.dtype.kind in "iuf":
+            columns[name] = array
+        elif array.ndim > 0:
+            findings += (
+                f"The array {name} is left out: a channel is a 1-D array of real numbers, and it "
+                f"is {array.ndim}-D of {array.dtype}.",
+            )
+    if not columns:
+        raise RecordingError(f"{path.name} holds no channel: store each as a 1-D array of numbers.")
+    return Table(columns, units, rate_hz, findings)
+
+
+def _read(path: Path) -> np.ndarray | np.lib.npyio.NpzFile:
+    try:
+        # Pickles run code when they are read, so no file may hold one.
+        return np.load(path, allow_pickle=False)
+    except (ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise _damaged(path, error) from error
+
+
+def _member(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
+    try:
+        return np.asarray(archive[name])
+    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
+        raise _damaged(path, error) from error
+
+
+def _damaged(path: Path, error: Exception) -> RecordingError:
+    if "allow_pickle" in str(error) and "Object arrays" in str(error):
+        return RecordingError(
+            f"{path.name} holds Python objects, which are not read because they can run code: "
+            "save plain arrays of numbers."
+        )
+    return RecordingError(
+        f"{path.name} is not a complete {path.suffix} file: it may be cut off or of another kind."
+    )
+
+
+def _check(path: Path, name: str, array: np.ndarray, axes: tuple[int, ...] = (1,)) -> None:
+    if array.dtype.kind not in "iuf":
+        raise RecordingError(
+            f"{path.name}: {name} has values of type {array.dtype}, and real numbers are needed."
+        )
+    if array.ndim not in axes:
+        raise RecordingError(
+            f"{path.name}: {name} has shape {array.shape}, and (samples,) or (samples, channels) "
+            "is needed."
+        )
+
+
+def _rate(path: Path, array: np.ndarray | None) -> float | None:
+    if array is None:
+        return None
+    if array.size != 1 or array.dtype.kind not in "iuf":
+        raise RecordingError(f"{path.name}: rate_hz must be a single number; pass --rate instead.")
+    return float(array.item())
+
+
+def _units(path: Path, array: np.ndarray | None) -> dict[str, str]:
+    if array is None:
+        return {}
+    try:
+        units = json.loads(array.item())
+    except (ValueError, TypeError):
+        units = None
+    if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
+        raise RecordingError(
+            f"{path.name}: `units` must be a JSON string that gives each channel a unit, such as "
+            f"'{_UNITS_EXAMPLE}'."
+        )
+    return units

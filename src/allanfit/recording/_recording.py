@@ -1,0 +1,64 @@
+"""What a recording is, once it is read and checked."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float64
+
+
+class RecordingError(ValueError):
+    """A recording cannot be used; the message says why and what to do, in one sentence."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One sensor axis, in SI units, with what the checks found in it."""
+
+    name: str
+    """Its name in the file."""
+    unit: str
+    """The unit the user gave, such as `deg/s`, `g` or `counts`; empty when none was given."""
+    factor: float
+    """One such unit in SI; 1 for a unit that is neither an angular rate nor an acceleration."""
+    si_unit: str
+    """`rad/s`, `m/s^2`, or the given unit when it is neither."""
+    kind: str
+    """`gyro`, `accelerometer` or `other`, as the unit says."""
+    samples: Float64[np.ndarray, " samples"]
+    """All samples in SI, those outside `stretches` too."""
+    stretches: tuple[tuple[int, int], ...]
+    """`[start, stop)` of each run of finite samples without a gap, in order."""
+    findings: tuple[str, ...]
+    """One plain sentence each; empty for healthy samples."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Channels sampled together at one rate."""
+
+    name: str
+    """The name of the file."""
+    rate_hz: float
+    """Samples a second."""
+    channels: tuple[Channel, ...]
+    """What is to be analysed, never empty."""
+    auxiliary: tuple[Channel, ...]
+    """What may explain the channels: temperatures, magnetometers. Unchecked, in their own units."""
+    findings: tuple[str, ...]
+    """About the file and its time stamps, one plain sentence each."""
+    checksum: str
+    """SHA-256 of the samples of the channels, in order, as float64 in SI."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A file as it was read: columns of numbers, not yet told apart into time and channels."""
+
+    columns: dict[str, np.ndarray]
+    """1-D arrays of integers or floats by name; time stamps among them."""
+    units: dict[str, str]
+    """The unit of a column, where the file gives one."""
+    rate_hz: float | None = None
+    """Samples a second, where the file gives it."""
+    findings: tuple[str, ...] = field(default=())
+    """What was left out in reading."""

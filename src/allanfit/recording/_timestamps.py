@@ -1,0 +1,234 @@
+"""What time stamps say: the rate, gaps, and how far they can be trusted.
+
+A sensor samples evenly; its stamps often do not. Transport delivers samples in bursts, a busy
+computer stamps them late, a coarse clock repeats itself. A late sample is told from a lost one by
+what follows: after a delay later stamps catch up with the even grid, after a gap none ever does.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Num
+
+from ._recording import RecordingError
+from ._wording import percent
+
+SHORTEST_STRETCH = 16
+"""Fewer samples than this between two gaps carry nothing an analysis could use."""
+
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_SPELLINGS = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "nsec": "ns"}
+_NAME = re.compile(r"(?:time|timestamp|t)(?:_(s|ms|us|ns))?", re.IGNORECASE)
+
+# Stamps catch up within a burst or a blocked moment; no transport holds more samples than this.
+_CATCH_UP = 1024
+# A loss of fewer samples moves the time axis too little to matter, and cutting there would take
+# the long averaging times away.
+_GAP = 10
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The time axis of a recording."""
+
+    rate_hz: float
+    """Samples a second, losses allowed for."""
+    breaks: tuple[int, ...]
+    """Index of the first sample after each gap."""
+    findings: tuple[str, ...]
+    """Gaps, repeats, jitter, doubts about the unit or the given rate."""
+
+
+def is_time(name: str) -> bool:
+    """Whether a column of this name holds time stamps."""
+    return _NAME.fullmatch(name) is not None
+
+
+def read_clock(
+    stamps: Num[np.ndarray, " samples"], name: str, unit: str, given_hz: float | None
+) -> Clock:
+    """The time axis told by `stamps`, called `name`, in `unit` (empty when unknown).
+
+    `given_hz` is the rate known from elsewhere: it helps to infer the unit and is compared.
+
+    **Raises** `RecordingError` when no rate can be had from the stamps.
+    """
+    if stamps.size < SHORTEST_STRETCH:
+        raise _unusable(f"there are only {stamps.size}")
+    ticks, findings = _from_first(stamps)
+    tick, doubt = _tick(name, unit, _typical_interval(ticks)[0], given_hz)
+    time = ticks * tick
+    steps = np.diff(time)
+    backward = int(np.count_nonzero(steps < 0))
+    typical, regular = _typical_interval(time)
+    if backward > 0.1 * steps.size:
+        raise _unusable(f"{backward} of {stamps.size} are earlier than the one before")
+    if typical <= 0:
+        raise _unusable("they do not increase")
+    interval = typical
+    # A first pass with the typical interval; losses found, the mean interval is the sharper one.
+    for _ in range(2):
+        lost = _lost_time(time, interval)
+        lost[lost < (0.5 if regular else _GAP) * interval] = 0.0
+        set_back = steps < -_GAP * interval
+        lost[set_back] = steps[set_back] - interval
+        interval = (time[-1] - lost.sum()) / steps.size
+    if not interval > 0:
+        raise _unusable("they do not increase")
+    gaps = np.flatnonzero(lost >= _GAP * interval)
+    dropped = round(float(lost[(lost > 0) & (lost < _GAP * interval)].sum() / interval))
+    # More digits than stamps carry would only be the rounding of the sum.
+    rate_hz = float(f"{1 / interval:.9g}")
+    findings += doubt
+    findings += _about_gaps(time, steps, gaps, lost, interval)
+    if dropped:
+        findings += (
+            f"{dropped} samples ({percent(dropped / steps.size)}) are missing, a few at a time, "
+            "by the time stamps: the rate allows for them, the samples are taken as consecutive.",
+        )
+    findings += _about_order(backward, int(np.count_nonzero(set_back)))
+    findings += _about_jitter(steps - lost, interval)
+    findings += _about_rate(rate_hz, given_hz)
+    breaks = np.union1d(gaps, np.flatnonzero(set_back)) + 1
+    return Clock(rate_hz, tuple(breaks.tolist()), findings)
+
+
+def _unusable(reason: str) -> RecordingError:
+    return RecordingError(f"The time stamps cannot be used: {reason}.")
+
+
+def _from_first(
+    stamps: Num[np.ndarray, " samples"],
+) -> tuple[Float64[np.ndarray, " samples"], tuple[str, ...]]:
+    """Stamps counted from the first one, and a finding when some are missing."""
+    if np.issubdtype(stamps.dtype, np.integer):
+        # As integers: nanoseconds since 1970 have more digits than a float.
+        return (stamps.astype(np.int64) - np.int64(stamps[0])).astype(np.float64), ()
+    time = stamps.astype(np.float64)
+    finite = np.isfinite(time)
+    present = np.flatnonzero(finite)
+    if present.size == time.size:
+        return time - time[0], ()
+    if present.size < 0.9 * time.size:
+        raise _unusable(f"{time.size - present.size} of {time.size} are missing or not finite")
+    time = np.interp(np.arange(time.size), present, time[present])
+    finding = f"{time.size - present.size} time stamps are missing or not finite."
+    return time - time[0], (finding,)
+
+
+def _typical_interval(time: Float64[np.ndarray, " samples"]) -> tuple[float, bool]:
+    """The interval away from gaps, and whether most steps are about as long as it."""
+    steps = np.diff(time)
+    window = min(_CATCH_UP, steps.size // 4)
+    # Over a window, bursts and delays average out; its median is blind to the windows with a gap.
+    typical = float(np.median(time[window:] - time[:-window]) / window)
+    near = np.abs(steps - np.median(steps)) < 0.25 * typical
+    if 2 * np.count_nonzero(near) > steps.size:
+        middle = float(steps[near].mean())
+        if middle > 0.5 * typical:
+            # A mean, since with stamps of 1 ms an interval of 10.5 ms reads 10 or 11.
+            return middle, True
+    return typical, False
+
+
+def _tick(
+    name: str, unit: str, interval: float, given_hz: float | None
+) -> tuple[float, tuple[str, ...]]:
+    """Seconds in one unit of the stamps, and a finding when that had to be inferred."""
+    suffix = _NAME.fullmatch(name)
+    spelled = unit.strip().replace("µ", "u").replace("μ", "u").lower()
+    stated = _SPELLINGS.get(spelled, spelled) or ((suffix and suffix[1]) or "").lower()
+    if stated:
+        if stated not in _SECONDS:
+            raise _unusable(f"their unit '{unit}' is none of s, ms, us and ns")
+        return _SECONDS[stated], ()
+    # Inertial sensors are sampled between 1 Hz and 1 kHz, give or take.
+    inferred = "s" if interval < 1 else "ms" if interval < 1e3 else "us" if interval < 1e6 else "ns"
+    if given_hz is not None and interval > 0:
+        for candidate, seconds in _SECONDS.items():
+            if abs(interval * seconds * given_hz - 1) < 0.05:
+                inferred = candidate
+    if inferred == "s":
+        return 1.0, ()
+    finding = (
+        f"The time stamps are taken to be in {inferred}, since their typical interval is "
+        f"{interval:.4g}: write the unit in the header, as in `{name} [{inferred}]`."
+    )
+    return _SECONDS[inferred], (finding,)
+
+
+def _lost_time(
+    time: Float64[np.ndarray, " samples"], interval: float
+) -> Float64[np.ndarray, " steps"]:
+    """By how much all that follows a step stays behind the even grid through the step's start."""
+    late = time - interval * np.arange(time.size)
+    window = max(SHORTEST_STRETCH, min(_CATCH_UP, time.size // 8))
+    # The smallest lateness of the `window` samples from each one on, by doubling.
+    earliest = np.concatenate([late[1:], np.full(window, np.inf)])
+    reach = 1
+    while reach < window:
+        shift = min(reach, window - reach)
+        earliest = np.minimum(earliest[:-shift], earliest[shift:])
+        reach += shift
+    lost = earliest[: time.size - 1] - late[:-1]
+    # Too few samples are left to catch up: a late last packet is no gap.
+    lost[-SHORTEST_STRETCH:] = 0.0
+    return lost
+
+
+def _about_gaps(
+    time: Float64[np.ndarray, " samples"],
+    steps: Float64[np.ndarray, " steps"],
+    gaps: np.ndarray,
+    lost: Float64[np.ndarray, " steps"],
+    interval: float,
+) -> tuple[str, ...]:
+    if gaps.size == 0:
+        return ()
+    longest = gaps[np.argmax(steps[gaps])]
+    missing = round(float(lost[gaps].sum() / interval))
+    where = f"{steps[longest]:.4g} s at {time[longest]:.6g} s"
+    what = (
+        f"The time stamps have a gap of {where}"
+        if gaps.size == 1
+        else f"The time stamps have {gaps.size} gaps, {steps[gaps].sum():.4g} s in all, the "
+        f"longest {where}"
+    )
+    return (f"{what}: about {missing} samples are missing there, and nothing is put in place.",)
+
+
+def _about_order(backward: int, set_back: int) -> tuple[str, ...]:
+    if backward == 0:
+        return ()
+    cut = f"; the recording is cut at {set_back} of them" if set_back else ""
+    return (f"{backward} time stamps are earlier than the one before{cut}.",)
+
+
+def _about_jitter(steps: Float64[np.ndarray, " steps"], interval: float) -> tuple[str, ...]:
+    repeats = np.count_nonzero(steps == 0) / steps.size
+    low, high = np.quantile(steps, [0.01, 0.99])
+    if repeats < 0.01 and high - low < 0.5 * interval:
+        return ()
+    repeated = f"{percent(repeats)} repeat the one before, " if repeats >= 0.01 else ""
+    return (
+        f"The time stamps are uneven: {repeated}intervals range from {1e3 * low:.4g} to "
+        f"{1e3 * high:.4g} ms around {1e3 * interval:.4g} ms; the samples are taken as evenly "
+        "spaced.",
+    )
+
+
+def _about_rate(rate_hz: float, given_hz: float | None) -> tuple[str, ...]:
+    if given_hz is None or abs(given_hz / rate_hz - 1) < 0.03:
+        return ()
+    ratio = given_hz / rate_hz
+    hint = "check which is right"
+    if abs(given_hz * rate_hz - 1) < 0.03:
+        hint = "is it the sampling interval in s, not the rate?"
+    for power in (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9):
+        if abs(ratio / power - 1) < 0.03:
+            hint = f"it is off by a factor of {max(power, 1 / power):g}, is a unit mistaken?"
+    return (
+        f"The rate of {given_hz:.6g} Hz, which is used, disagrees with the time stamps, which say "
+        f"{rate_hz:.6g} Hz: {hint}",
+    )

@@ -1,0 +1,129 @@
+"""Units of inertial sensors, by name, to SI.
+
+The registry is our own, with angle as a dimension: in a general one `g` is a gram, `au` a length,
+and rad/s cannot be told from Hz.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+import pint
+
+from ._recording import RecordingError
+
+_DEFINITIONS = f"""
+nano- = 1e-9 = n-
+micro- = 1e-6 = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+second = [time] = s = sec
+minute = 60 * second = min
+hour = 3600 * second = h = hr
+meter = [length] = m = metre
+foot = 0.3048 * meter = ft
+radian = [angle] = rad
+degree = {math.pi / 180!r} * radian = deg
+arcminute = degree / 60 = arcmin
+arcsecond = degree / 3600 = arcsec
+revolution = 360 * degree = rev
+revolutions_per_minute = revolution / minute = rpm
+degrees_per_second = degree / second = dps
+degrees_per_hour = degree / hour = dph
+standard_gravity = 9.80665 * meter / second ** 2 = g = gn
+galileo = 0.01 * meter / second ** 2 = Gal
+hertz = 1 / second = Hz
+volt = [voltage] = V
+kelvin = [temperature] = K
+celsius = [temperature] = degC = C
+fahrenheit = [temperature] = degF = F
+tesla = [magnetic_field] = T
+gauss = 1e-4 * tesla = Gs
+pascal = [pressure] = Pa
+count = [count] = cts = LSB = lsb = digit = digits = code
+arbitrary_unit = [arbitrary] = au = u
+"""
+
+# Spellings met in headers, as patterns and what the registry knows them by.
+_SPELLINGS = (
+    (re.compile("[°º]"), "deg"),
+    (re.compile("[µμ]"), "u"),  # the micro sign and the Greek letter
+    (re.compile("²"), "^2"),
+    (re.compile("[·⋅.]"), "*"),
+    (re.compile(r"(?<=s)(-?)([12])$"), r"^\1\2"),  # m/s2, m s-2
+    (re.compile(r"^ms(?=\^-2$)"), "m s"),  # ms-2, which nobody means as milliseconds
+)
+
+# The parser evaluates what it is given, so a tower of powers would never end: one digit is plenty.
+_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]+|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d*^]))+")
+
+_KNOWN = (
+    "rad/s, deg/s, deg/h, dps, mdps or rpm for an angular rate, m/s^2, g, mg or ug for an "
+    "acceleration, counts for neither"
+)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit and its way to SI."""
+
+    name: str
+    """As the user wrote it."""
+    factor: float = 1.0
+    """One such unit in SI; 1 when `kind` is `other`."""
+    si_unit: str = ""
+    """`rad/s`, `m/s^2`, or the name itself."""
+    kind: str = "other"
+    """`gyro`, `accelerometer` or `other`."""
+
+
+def _registry() -> pint.UnitRegistry:
+    # None is the documented way to an empty registry, against the annotation.
+    registry = pint.UnitRegistry(None)  # pyright: ignore[reportArgumentType]
+    for line in _DEFINITIONS.strip().splitlines():
+        registry.define(line)
+    return registry
+
+
+_REGISTRY = _registry()
+_SI = (
+    ("gyro", "rad/s", _REGISTRY.parse_units("radian / second")),
+    ("accelerometer", "m/s^2", _REGISTRY.parse_units("meter / second ** 2")),
+)
+
+
+def parse_unit(name: str) -> Unit:
+    """The unit called `name`.
+
+    A unit that is known but measures neither an angular rate nor an acceleration passes through
+    as it is, and so does an empty name.
+
+    **Raises** `RecordingError` listing the known units when the name is none of them.
+    """
+    text = name.strip()
+    if text in ("", "1", "-"):
+        return Unit(text, si_unit=text)
+    parsed = _parse(text)
+    if parsed is None:
+        raise RecordingError(f"The unit '{text}' is not known: give {_KNOWN}.")
+    for kind, si_unit, target in _SI:
+        if parsed.dimensionality == target.dimensionality:
+            factor = _REGISTRY.Quantity(1.0, parsed).to(target).magnitude
+            return Unit(text, float(factor), si_unit, kind)
+    return Unit(text, si_unit=text)
+
+
+def _parse(text: str) -> pint.Unit | None:
+    spelled = text
+    for pattern, known in _SPELLINGS:
+        spelled = pattern.sub(known, spelled)
+    # Exactly as written first: `Gal` and `G`, `mV` and `MV` differ in case alone.
+    for candidate in (spelled, spelled.lower()):
+        if len(candidate) <= 40 and _PLAUSIBLE.fullmatch(candidate):
+            try:
+                return _REGISTRY.parse_units(candidate)
+            # The parser fails in many ways on what is no unit; all mean the same here.
+            except (pint.PintError, AttributeError, AssertionError, ValueError, TypeError):
+                continue
+    return None

@@ -1,0 +1,51 @@
+"""Draw recordings from a noise model."""
+
+from collections.abc import Mapping
+
+import jax
+from jaxtyping import Array, Float
+
+from .physics import Sampling, standard_model
+
+
+def simulate(
+    coefficients: Mapping[str, float],
+    *,
+    duration_s: float,
+    rate_hz: float,
+    seed: int,
+    sampling: Sampling = "point",
+    bias: float = 0.0,
+) -> Float[Array, " samples"]:
+    """A record with the five terms, exact in law: no filter or sum of relaxations stands in.
+
+    **Arguments:**
+
+    - `coefficients`: by symbol Q, N, B, K, R, in the unit u of the record and seconds; what is
+      not named is zero.
+    - `duration_s`, `rate_hz`: length and samples per second.
+    - `seed`: the same seed gives the same record.
+    - `sampling`: "point" or "averaged", see `allanfit.physics`.
+    - `bias`: constant added [u].
+
+    **Returns:** samples [u], shape (round(duration_s rate_hz),).
+
+    **Raises:** `ValueError` for an unknown symbol, a negative coefficient, or too short a record.
+
+    >>> simulate({"N": 1e-3}, duration_s=10, rate_hz=100, seed=0).shape
+    (1000,)
+    """
+    if not (rate_hz > 0 and duration_s > 0):
+        raise ValueError(
+            f"duration and rate must be positive; got {duration_s:g} s at {rate_hz:g} Hz"
+        )
+    samples = round(duration_s * rate_hz)
+    if samples < 2:
+        raise ValueError(f"{duration_s:g} s at {rate_hz:g} Hz are {samples} samples; 2 are needed")
+    negative = [symbol for symbol, value in coefficients.items() if not value >= 0]
+    if negative:
+        raise ValueError(
+            f"coefficient {negative[0]} must be zero or more; got {coefficients[negative[0]]}"
+        )
+    model = standard_model(coefficients)
+    return bias + model.sample(jax.random.key(seed), samples, 1 / rate_hz, sampling)
