@@ -1,13 +1,12 @@
 """Read noise coefficients from a file: a fit's JSON, or a few lines of YAML or JSON."""
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .physics import SYMBOLS
+from .physics import SYMBOLS, Sampling
 
 
 class CoefficientsError(ValueError):
@@ -21,7 +20,7 @@ class Coefficients:
     channel: str
     unit: str
     values: dict[str, float]
-    sampling: str = "point"
+    sampling: Sampling = "point"
     bias: float = 0.0
 
 
@@ -104,9 +103,7 @@ def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
         raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
     values = {symbol: document[symbol] for symbol in SYMBOLS if symbol in document}
     if not values:
-        raise CoefficientsError(
-            f"{path.name} holds none of the coefficients {', '.join(SYMBOLS)}."
-        )
+        raise CoefficientsError(f"{path.name} holds none of the coefficients {', '.join(SYMBOLS)}.")
     return Coefficients("data", str(document.get("unit", "")), _checked(values, path), sampling)
 
 

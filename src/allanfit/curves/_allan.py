@@ -45,10 +45,12 @@ def allan_variance(
             f"cluster sizes must lie between 1 and half of the {samples} samples; "
             f"got {sizes.min()} to {sizes.max()}"
         )
-    if overlapping:
-        single = lambda x: overlapping_sums(x, jnp.asarray(sizes)) / (samples - 2 * sizes + 1)
-    else:
-        single = lambda x: jnp.stack([_cluster(x, int(n)) for n in sizes])
+
+    def single(x: Float[Array, " samples"]) -> Float[Array, " sizes"]:
+        if overlapping:
+            return overlapping_sums(x, jnp.asarray(sizes)) / (samples - 2 * sizes + 1)
+        return jnp.stack([_cluster(x, int(n)) for n in sizes])
+
     for _ in range(series.ndim - 1):
         single = jax.vmap(single)
     return single(series)

@@ -60,7 +60,7 @@ def joint_covariance(model: NoiseModel, design: Design) -> JointCovariance:
 
 
 def allan_variance_deviation(model: NoiseModel, design: Design) -> Float[Array, " sizes"]:
-    """Standard deviation of each Allan variance [u^2] under a model with coefficients for dt = 1."""
+    """Standard deviation of each Allan variance [u^2]; coefficients for dt = 1."""
     variance = np.zeros(len(design.cluster_sizes))
     for rows in _octaves(design):
         variance[rows] = np.diag(_allan_block(model, design, rows, rows))

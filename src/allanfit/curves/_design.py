@@ -116,7 +116,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         ramp=ramp,
         ramp_variance=ramp_variance,
         cluster_sizes=sizes,
-        differences=sum(np.maximum(length - 2 * sizes + 1, 0) for length in lengths),
+        differences=np.sum([np.maximum(length - 2 * sizes + 1, 0) for length in lengths], axis=0),
         allan=np.stack(
             [
                 np.asarray(_one(term).allan_variance(jnp.asarray(sizes, float), 1.0, sampling))

@@ -7,9 +7,9 @@ from ._estimate import Estimate as Estimate
 from ._fit import Fit as Fit
 from ._fit import fit_many as fit_many
 from ._fit import fit_series as fit_series
-from ._sample import Posterior as Posterior
-from ._sample import sample as sample
 from ._recording_fit import ChannelFit as ChannelFit
 from ._recording_fit import RecordingFit as RecordingFit
 from ._recording_fit import fit as fit
 from ._recording_fit import fit_recording as fit_recording
+from ._sample import Posterior as Posterior
+from ._sample import sample as sample

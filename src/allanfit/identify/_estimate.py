@@ -69,7 +69,8 @@ def as_design_dtype(design: Design, dtype) -> Design:
 def target(found: Statistics, design: Design) -> Target:
     """The spectrum that the coefficients are fitted to, normalised to a level near one."""
     level = jax.lax.stop_gradient(jnp.median(found.density))
-    return Target(found.density / level, design.density / level, design.ordinates / 2)
+    expected, shape = jnp.asarray(design.density), jnp.asarray(design.ordinates) / 2
+    return Target(found.density / level, expected / level, shape)
 
 
 def solve(found: Statistics, design: Design) -> tuple[LeastSquares, Target]:

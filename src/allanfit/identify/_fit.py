@@ -168,4 +168,3 @@ def _check_lengths(lengths: tuple[int, ...]) -> None:
 
 def _by_symbol(values: Array, axis: int = -1) -> dict[str, Array]:
     return {symbol: jnp.take(values, i, axis=axis) for i, symbol in enumerate(SYMBOLS)}
-

@@ -3,7 +3,7 @@
 import jax
 import jax.numpy as jnp
 from jax.scipy.special import digamma, gammaincc, polygamma
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ._likelihood import Powers, fisher_information
 
@@ -41,7 +41,7 @@ def score(
     correlation = information / unit / unit[:, None]
     present = power > 0
 
-    def one(k: Float[Array, ""]) -> Float[Array, ""]:
+    def one(k: Int[Array, ""]) -> Float[Array, ""]:
         others = present & (jnp.arange(len(power)) != k)
         block = jnp.where(others[:, None] & others, correlation, jnp.eye(len(power)))
         row = jnp.where(others, correlation[k], 0.0)

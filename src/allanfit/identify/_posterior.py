@@ -69,7 +69,7 @@ def log_posterior(
 
 
 def _log_determinant(matrix: Float[Array, "3 3"]) -> Float[Array, ""]:
-    """Of a positive matrix; by the correlations, which a call to LAPACK takes ten times as long for."""
+    """Of a positive matrix, written out: LAPACK takes ten times as long for three by three."""
     variance = jnp.diag(matrix)
     unit = matrix * jax.lax.rsqrt(variance) * jax.lax.rsqrt(variance)[:, None]
     a, b, c = unit[0, 1], unit[0, 2], unit[1, 2]

@@ -38,11 +38,10 @@ class ChannelFit:
         if not bool(self.fit.converged):
             found.append("The fit did not converge; its numbers mean nothing.")
             return tuple(found)
-        p_value = float(self.fit.goodness_of_fit)
-        if p_value < _MISFIT:
+        if float(self.fit.goodness_of_fit) < _MISFIT:
             found.append(
-                f"The five terms do not explain this recording (p = {p_value:.1g}): something is "
-                "left out of the model, and the coefficients carry its mark."
+                "Something is left out of the five-term model, and the coefficients carry its "
+                "mark: their intervals are only as good as the model."
             )
         if float(self.fit.estimate.quantization_score) < -_DEFICIT:
             found.append(
@@ -208,4 +207,3 @@ def _name(names: Names, kind: str) -> str:
 
 def _number(value: Any) -> float | None:
     return float(value) if math.isfinite(value) else None
-

@@ -106,7 +106,7 @@ def sample(
     scale = np.asarray(unit_scale(1 / fit.rate_hz))
     for _ in range(most_rounds):
         state = sampler.run_mcmc(state, _ROUND, progress=progress)
-        chain = sampler.get_chain()
+        chain = np.asarray(sampler.get_chain())
         powers = to_powers(jnp.asarray(chain.reshape(-1, start.shape[1]), start.dtype))
         ramps, _ = draw_ramps(ramp_key, fit.estimate.statistics.odd_modes, powers, design)
         draws = np.concatenate([np.sqrt(powers), np.asarray(ramps)[:, None]], axis=1) * scale

@@ -92,11 +92,7 @@ def _doubly_summed_structure(n: Float[Array, "*shape"]) -> Float[Array, "*shape"
     (G(2n) - 4 G(n))/(2 n^2).
     """
     odd_harmonic = (digamma(n - 0.5) - digamma(0.5)) / 2
-    return (
-        4
-        / np.pi
-        * ((n**2 - 0.25) * odd_harmonic / 2 - n * (n - 1) / 2 + (n - 1) ** 2 / 8)
-    )
+    return 4 / np.pi * ((n**2 - 0.25) * odd_harmonic / 2 - n * (n - 1) / 2 + (n - 1) ** 2 / 8)
 
 
 def _averaged_increment_autocovariance(lag: np.ndarray) -> np.ndarray:

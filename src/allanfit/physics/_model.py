@@ -51,7 +51,7 @@ class NoiseModel(eqx.Module):
     def sample(
         self, key: PRNGKeyArray, samples: int, dt: float, sampling: Sampling
     ) -> Float[Array, " samples"]:
-        """Draw the sum. Each term has a key of its own, so adding one leaves the others as they were."""
+        """Draw the sum; each term has a key of its own, so adding one leaves the others alone."""
         return sum(
             (
                 term.sample(jax.random.fold_in(key, index), samples, dt, sampling)

@@ -8,13 +8,15 @@ from jaxtyping import Bool, Float64
 from ._recording import Channel
 from ._timestamps import SHORTEST_STRETCH
 from ._units import parse_unit
-from ._wording import percent
+from ._wording import count, percent, quantity
 
 FEWEST_SAMPLES = 256
 """Below this no noise coefficient can be told from another."""
 
 _GRAVITY = 9.80665
-# Values looked at for the code width: enough to meet every code, and quick to sort.
+# The squares of larger ones leave the range of floating point.
+_LARGEST = 1e100
+# As many values tell how coarse the codes are, and they are quick to sort.
 _ENOUGH = 200_000
 _WINDOW = 64
 
@@ -49,6 +51,8 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
         return f"it has {samples.size} usable samples, and at least {FEWEST_SAMPLES} are needed"
     if samples.min() == samples.max():
         return "it is constant"
+    if (largest := np.abs(samples).max()) > _LARGEST:
+        return f"it holds values as large as {largest:.1g}, which no sensor gives"
     steps = np.diff(samples)
     if steps.min() > 0 or steps.max() < 0:
         return "it changes the same way at every sample, as a counter or time stamps do"
@@ -66,7 +70,8 @@ def about_samples(
     width = code_width(values)
     # Within short windows and over most of them: neither drift nor a few outliers count as noise.
     windows = values[: values.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
-    sigma = float(np.median(windows.std(axis=1)))
+    # From the first value, so that a window of equal ones has a deviation of exactly 0.
+    sigma = float(np.median((windows - windows[:, :1]).std(axis=1)))
     # Values held for longer than a window show no noise in it and need not be coarse for that.
     coarse = width > 0.75 * (sigma or np.std(_fresh(values)))
     rails = () if coarse else _rails(values, width)
@@ -83,19 +88,20 @@ def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
 
     Tiny for samples that are not rounded at all, 0 for constant ones.
     """
-    fresh = _fresh(samples)
-    steps = np.diff(np.unique(fresh[:: 1 + fresh.size // _ENOUGH]))
-    # A code stored in floating point may come out as several values close together.
-    steps = steps[steps > 1e-4 * np.std(fresh)] if steps.size else steps
-    if steps.size == 0:
+    values = np.sort(_fresh(samples)[:_ENOUGH])
+    if values[0] == values[-1]:
         return 0.0
+    low, high = np.quantile(values, [0.05, 0.95])
+    steps = np.diff(values)
+    # A code stored in floating point may come out as several values close together.
+    steps = steps[steps > 1e-4 * (high - low)]
     small = np.quantile(steps, 0.1)
     return float(steps[steps < 1.5 * small].mean())
 
 
 def _fresh(samples: Float64[np.ndarray, " usable"]) -> Float64[np.ndarray, " fresh"]:
-    """The values just after a change, so that one met once in a million samples is among them."""
-    return samples[1:][np.diff(samples) != 0]
+    """The first of each run of equal values, so that no code fills more than half of them."""
+    return samples[np.concatenate([[True], np.diff(samples) != 0])]
 
 
 def about_gravity(channels: Sequence[Channel]) -> tuple[str, ...]:
@@ -103,7 +109,9 @@ def about_gravity(channels: Sequence[Channel]) -> tuple[str, ...]:
     axes = [channel for channel in channels if channel.kind == "accelerometer"]
     if len(axes) != 3:
         return ()
-    felt = np.linalg.norm([np.nanmean(axis.samples) / axis.factor for axis in axes])
+    felt = np.linalg.norm(
+        [usable(axis.samples, axis.stretches).mean() / axis.factor for axis in axes]
+    )
     for name in ("m/s^2", "g", "mg"):
         factor = parse_unit(name).factor
         if factor != axes[0].factor and abs(felt * factor / _GRAVITY - 1) < 0.05:
@@ -120,31 +128,32 @@ def _about_lost(
     used: int,
     rate_hz: float,
 ) -> tuple[str, ...]:
-    broken = np.count_nonzero(~np.isfinite(samples))
+    broken = int(np.count_nonzero(~np.isfinite(samples)))
     stray = samples.size - used - broken
     findings = ()
     if broken:
         findings += (
-            f"{broken} samples ({broken / rate_hz:.3g} s) are missing or not finite and are left "
-            f"out; the longest of {len(stretches)} usable stretches has "
+            f"Left out as missing or not finite: {count(broken, 'sample')} "
+            f"({broken / rate_hz:.3g} s); the longest stretch between has "
             f"{max(stop - start for start, stop in stretches) / rate_hz:.4g} s.",
         )
     if stray:
         findings += (
-            f"{stray} samples ({stray / rate_hz:.3g} s) stand in stretches shorter than "
-            f"{SHORTEST_STRETCH} samples and are left out.",
+            f"Left out in stretches shorter than {SHORTEST_STRETCH} samples: "
+            f"{count(stray, 'sample')} ({stray / rate_hz:.3g} s).",
         )
     return findings
 
 
 def _rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, ...]:
     """The extreme values at which samples pile up."""
-    extremes = (values.min(), values.max())
+    # A value that is held counts once, however long it is.
+    fresh = _fresh(values)
     rails = []
-    for rail in extremes:
-        at_rail = np.count_nonzero(values == rail)
-        next_code = np.count_nonzero(np.abs(values - rail) < 1.5 * width) - at_rail
-        if at_rail > max(10, 1e-4 * values.size, 3 * next_code):
+    for rail in (fresh.min(), fresh.max()):
+        at_rail = np.count_nonzero(fresh == rail)
+        next_code = np.count_nonzero(np.abs(fresh - rail) < 1.5 * width) - at_rail
+        if at_rail > max(10, 1e-4 * fresh.size, 3 * next_code):
             rails.append(float(rail))
     return tuple(rails)
 
@@ -154,8 +163,7 @@ def _about_rails(
 ) -> tuple[str, ...]:
     return tuple(
         f"{percent(np.mean(values == rail))} of the samples stand exactly at the extreme value "
-        f"{rail:.4g} {unit}".rstrip()
-        + ": the output was saturated."
+        f"{quantity(rail, unit)}: the output was saturated."
         for rail in rails
     )
 
@@ -173,7 +181,7 @@ def _about_repeats(
     steps = steps[~np.isin(values[1:], rails)]
     repeats = np.count_nonzero(steps == 0) / values.size
     changes = steps[steps != 0]
-    codes = np.round(np.abs(changes[:: 1 + changes.size // _ENOUGH]) / width)
+    codes = np.round(np.abs(changes[:_ENOUGH]) / width)
     bin_codes = max(1, int(np.median(codes)) // 2)
     # Both as the share of all steps that falls on one code, either sign.
     scale = changes.size / (codes.size * steps.size * 2 * bin_codes)
@@ -198,13 +206,10 @@ def _about_width(
     values: Float64[np.ndarray, " usable"], width: float, sigma: float, unit: str
 ) -> tuple[str, ...]:
     repeats = np.count_nonzero(np.diff(values) == 0) / values.size
-    size = (
-        f"as large as the noise (standard deviation {sigma:.3g} {unit}".rstrip() + ")"
-        if sigma
-        else "larger than the noise"
-    )
+    size = "larger than the noise"
+    if sigma:
+        size = f"as large as the noise (standard deviation {quantity(sigma, unit)})"
     return (
-        f"The code width, {width:.3g} {unit}".rstrip()
-        + f", is {size}, and {percent(repeats)} of the samples repeat the one before: rounding "
-        "hides part of the noise.",
+        f"The code width, {quantity(width, unit)}, is {size}, and {percent(repeats)} of the "
+        "samples repeat the one before: rounding hides part of the noise.",
     )

@@ -49,10 +49,12 @@ def read_csv(path: Path) -> Table:
     layout = _layout(path.name, text)
     frame = _parse(path.name, _body(text, layout), layout)
     columns, findings = {}, ()
-    for name, column in zip(layout.names, frame.get_columns(), strict=True):
+    for position, (name, column) in enumerate(zip(layout.names, frame, strict=True), start=1):
+        empty = column.null_count() == column.len()
         if column.dtype == pl.String:
             findings += (f"The column {name} holds text and is left out.",)
-        elif column.null_count() < column.len():
+        # A nameless column without a value comes of lines that end in a separator.
+        elif not (empty and name == _nameless(position)):
             columns[name] = column.to_numpy()
     return Table(columns, layout.units, findings=findings)
 
@@ -182,7 +184,7 @@ def _commented(above: list[str], separator: str) -> list[str]:
 
 def _names(file: str, header: list[str], count: int) -> tuple[list[str], dict[str, str]]:
     """Names of `count` columns and the units that stand in brackets behind them."""
-    if len(header) == count - 1:
+    if header and len(header) == count - 1:
         # Lines that end in a separator.
         header = [*header, ""]
     if len(header) != count:
@@ -190,13 +192,17 @@ def _names(file: str, header: list[str], count: int) -> tuple[list[str], dict[st
     names, units = [], {}
     for position, field in enumerate(header, start=1):
         bracketed = _BRACKETED.fullmatch(field)
-        name = (bracketed[1] if bracketed else field) or f"channel_{position}"
+        name = (bracketed[1] if bracketed else field) or _nameless(position)
         if name in names:
             raise RecordingError(f"{file} has two columns named {name}: rename one.")
         names.append(name)
         if bracketed:
             units[name] = bracketed[2].strip()
     return names, units
+
+
+def _nameless(position: int) -> str:
+    return f"channel_{position}"
 
 
 def _body(text: bytes, layout: _Layout) -> bytes:
@@ -215,7 +221,7 @@ def _body(text: bytes, layout: _Layout) -> bytes:
 
 
 def _parse(file: str, body: bytes, layout: _Layout) -> pl.DataFrame:
-    def read(types: list[type[pl.DataType]]) -> pl.DataFrame:
+    def read(types: list[type]) -> pl.DataFrame:
         return pl.read_csv(
             body,
             has_header=False,
@@ -233,11 +239,11 @@ def _parse(file: str, body: bytes, layout: _Layout) -> pl.DataFrame:
     ]
     try:
         frame = read(types)
-    except pl.exceptions.ComputeError:
+    except pl.exceptions.PolarsError:
         # Once more as text, now only to say where the obstacle is.
         try:
             frame = read([pl.String for _ in types])
-        except pl.exceptions.ComputeError as error:
+        except pl.exceptions.PolarsError as error:
             raise _ragged(file, body, layout) from error
     for position, name in enumerate(layout.names):
         column = frame.to_series(position)
@@ -268,7 +274,7 @@ def _ragged(file: str, body: bytes, layout: _Layout) -> RecordingError:
     return RecordingError(f"{file} has a quotation mark that is not closed.")
 
 
-def _type(name: str, field: str, decimal_comma: bool) -> type[pl.DataType]:
+def _type(name: str, field: str, decimal_comma: bool) -> type:
     if not _is_number(field, decimal_comma) and field not in _MISSING:
         return pl.String
     exact = is_time(_BRACKETED.sub(r"\1", name)) and field.isdigit() and len(field) > _EXACT_DIGITS

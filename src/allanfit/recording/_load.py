@@ -18,7 +18,7 @@ from ._units import Unit, parse_unit
 
 _READERS = {".csv": read_csv, ".txt": read_csv, ".npy": read_npy, ".npz": read_npz}
 
-_AUXILIARY = re.compile(r"temp|mag", re.IGNORECASE)
+_AUXILIARY = re.compile(r"(?:.*_)?(?:temp|mag(?!nitude))", re.IGNORECASE)
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)", re.IGNORECASE)),
     ("accelerometer", re.compile(r"acc", re.IGNORECASE)),

@@ -1,6 +1,8 @@
 """NumPy's own files: one array (`.npy`), or named arrays together (`.npz`)."""
 
 import json
+import tokenize
+import warnings
 import zipfile
 import zlib
 from pathlib import Path
@@ -9,6 +11,20 @@ import numpy as np
 
 from ._recording import RecordingError, Table
 
+# What NumPy and zipfile raise on bytes that are not what they should be.
+_DAMAGE = (
+    ValueError,
+    TypeError,
+    KeyError,
+    EOFError,
+    OSError,
+    MemoryError,
+    RuntimeError,
+    SyntaxError,
+    tokenize.TokenError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 _UNITS_EXAMPLE = '{"gyro_x": "deg/s"}'
 
 
@@ -40,11 +56,9 @@ def read_npz(path: Path) -> Table:
 
     **Raises** `RecordingError` when the file is damaged or an array cannot be used.
     """
-    archive = _read(path)
-    if isinstance(archive, np.ndarray):
+    arrays = _read(path)
+    if isinstance(arrays, np.ndarray):
         raise RecordingError(f"{path.name} is an .npy file in truth: rename it.")
-    with archive:
-        arrays = {name: _member(path, archive, name) for name in archive.files}
     units = _units(path, arrays.pop("units", None))
     rate_hz = _rate(path, arrays.pop("rate_hz", None))
     columns, findings = {}, ()
@@ -61,19 +75,17 @@ def read_npz(path: Path) -> Table:
     return Table(columns, units, rate_hz, findings)
 
 
-def _read(path: Path) -> np.ndarray | np.lib.npyio.NpzFile:
-    try:
-        # Pickles run code when they are read, so no file may hold one.
-        return np.load(path, allow_pickle=False)
-    except (ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise _damaged(path, error) from error
-
-
-def _member(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
-    try:
-        return np.asarray(archive[name])
-    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
-        raise _damaged(path, error) from error
+def _read(path: Path) -> np.ndarray | dict[str, np.ndarray]:
+    with path.open("rb") as file, warnings.catch_warnings(action="ignore", category=UserWarning):
+        # NumPy warns of files that are slow to read because Python 2 wrote them.
+        try:
+            # Pickles run code when they are read, so no file may hold one.
+            content = np.load(file, allow_pickle=False)
+            if isinstance(content, np.ndarray):
+                return content
+            return {name: np.asarray(content[name]) for name in content.files}
+        except _DAMAGE as error:
+            raise _damaged(path, error) from error
 
 
 def _damaged(path: Path, error: Exception) -> RecordingError:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float64, Num
 
 from ._recording import RecordingError
-from ._wording import percent
+from ._wording import count, percent
 
 SHORTEST_STRETCH = 16
 """Fewer samples than this between two gaps carry nothing an analysis could use."""
@@ -54,28 +54,31 @@ def read_clock(
 
     **Raises** `RecordingError` when no rate can be had from the stamps.
     """
-    if stamps.size < SHORTEST_STRETCH:
+    if stamps.size < 2 * SHORTEST_STRETCH:
         raise _unusable(f"there are only {stamps.size}")
     ticks, findings = _from_first(stamps)
-    tick, doubt = _tick(name, unit, _typical_interval(ticks)[0], given_hz)
+    tick, doubt = _tick(name, unit, _typical_interval(ticks), given_hz)
     time = ticks * tick
     steps = np.diff(time)
     backward = int(np.count_nonzero(steps < 0))
-    typical, regular = _typical_interval(time)
+    interval = _typical_interval(time)
     if backward > 0.1 * steps.size:
         raise _unusable(f"{backward} of {stamps.size} are earlier than the one before")
-    if typical <= 0:
+    if interval <= 0:
         raise _unusable("they do not increase")
-    interval = typical
-    # A first pass with the typical interval; losses found, the mean interval is the sharper one.
+    # Single losses can be told only where most steps are as long as they should be.
+    regular = np.mean(np.abs(steps - interval) < 0.25 * interval) > 0.5
+    # Once the losses are known, the mean interval is sharper than the typical one.
     for _ in range(2):
         lost = _lost_time(time, interval)
         lost[lost < (0.5 if regular else _GAP) * interval] = 0.0
         set_back = steps < -_GAP * interval
         lost[set_back] = steps[set_back] - interval
-        interval = (time[-1] - lost.sum()) / steps.size
-    if not interval > 0:
-        raise _unusable("they do not increase")
+        # Nothing follows the last few that could tell whether they are late.
+        known = steps.size - SHORTEST_STRETCH
+        interval = float((time[known] - lost[:known].sum()) / known)
+        if not interval > 0:
+            raise _unusable("they do not increase")
     gaps = np.flatnonzero(lost >= _GAP * interval)
     dropped = round(float(lost[(lost > 0) & (lost < _GAP * interval)].sum() / interval))
     # More digits than stamps carry would only be the rounding of the sum.
@@ -84,8 +87,9 @@ def read_clock(
     findings += _about_gaps(time, steps, gaps, lost, interval)
     if dropped:
         findings += (
-            f"{dropped} samples ({percent(dropped / steps.size)}) are missing, a few at a time, "
-            "by the time stamps: the rate allows for them, the samples are taken as consecutive.",
+            "Missing by the time stamps, a few at a time: "
+            f"{count(dropped, 'sample')} ({percent(dropped / steps.size)}). The rate allows for "
+            "them, and the others are taken as consecutive.",
         )
     findings += _about_order(backward, int(np.count_nonzero(set_back)))
     findings += _about_jitter(steps - lost, interval)
@@ -113,23 +117,23 @@ def _from_first(
     if present.size < 0.9 * time.size:
         raise _unusable(f"{time.size - present.size} of {time.size} are missing or not finite")
     time = np.interp(np.arange(time.size), present, time[present])
-    finding = f"{time.size - present.size} time stamps are missing or not finite."
-    return time - time[0], (finding,)
+    return time - time[0], (f"Time stamps missing or not finite: {time.size - present.size}.",)
 
 
-def _typical_interval(time: Float64[np.ndarray, " samples"]) -> tuple[float, bool]:
-    """The interval away from gaps, and whether most steps are about as long as it."""
+def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
+    """The interval away from gaps: the median over the shortest window that evens bursts out."""
     steps = np.diff(time)
-    window = min(_CATCH_UP, steps.size // 4)
-    # Over a window, bursts and delays average out; its median is blind to the windows with a gap.
-    typical = float(np.median(time[window:] - time[:-window]) / window)
-    near = np.abs(steps - np.median(steps)) < 0.25 * typical
-    if 2 * np.count_nonzero(near) > steps.size:
-        middle = float(steps[near].mean())
-        if middle > 0.5 * typical:
-            # A mean, since with stamps of 1 ms an interval of 10.5 ms reads 10 or 11.
-            return middle, True
-    return typical, False
+    typical = 0.0
+    for window in (1, 4, 16, 64, 256, _CATCH_UP):
+        if window > 1 and 4 * window > time.size:
+            break
+        low, typical, high = np.quantile(
+            (time[window:] - time[:-window]) / window, [0.1, 0.5, 0.85]
+        )
+        # Within a burst the steps are alike too, but then the pauses between bursts are many.
+        if high - low < 0.25 * typical and np.mean(steps > 5 * typical) < 0.01:
+            break
+    return float(typical)
 
 
 def _tick(
@@ -201,8 +205,8 @@ def _about_gaps(
 def _about_order(backward: int, set_back: int) -> tuple[str, ...]:
     if backward == 0:
         return ()
-    cut = f"; the recording is cut at {set_back} of them" if set_back else ""
-    return (f"{backward} time stamps are earlier than the one before{cut}.",)
+    cut = f", far enough to cut the recording there {count(set_back, 'time')}" if set_back else ""
+    return (f"The time stamps step backward {count(backward, 'time')}{cut}.",)
 
 
 def _about_jitter(steps: Float64[np.ndarray, " steps"], interval: float) -> tuple[str, ...]:
@@ -222,7 +226,7 @@ def _about_rate(rate_hz: float, given_hz: float | None) -> tuple[str, ...]:
     if given_hz is None or abs(given_hz / rate_hz - 1) < 0.03:
         return ()
     ratio = given_hz / rate_hz
-    hint = "check which is right"
+    hint = "check which is right."
     if abs(given_hz * rate_hz - 1) < 0.03:
         hint = "is it the sampling interval in s, not the rate?"
     for power in (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9):

@@ -115,7 +115,7 @@ def fit_sentence(channel: Mapping[str, Any]) -> str:
     shown = p_value(goodness["p_value"])
     if goodness["consistent"]:
         return f"the five terms agree with both curves ({shown})"
-    return f"the five terms do not explain the curves ({shown}): run `allanfit explain`"
+    return f"the five terms do not explain the curves ({shown})"
 
 
 def sampler_sentence(channel: Mapping[str, Any]) -> str:

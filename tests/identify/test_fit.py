@@ -1,0 +1,161 @@
+"""`fit` and `fit_many` on simulated records: truth, batches, derivatives, bad input."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import allanfit
+from allanfit.physics import SYMBOLS, standard_model
+
+GYRO = {"N": 5e-3, "B": 2e-3, "K": 1e-3}
+
+
+def records(coefficients, count, samples, rate_hz, seed=0):
+    model = standard_model(coefficients)
+    keys = jax.random.split(jax.random.key(seed), count)
+    return jax.jit(
+        jax.vmap(lambda key: model.sample(key, samples, 1 / rate_hz, "point"))
+    )(keys)
+
+
+def test_intervals_hold_the_truth_and_absent_terms_are_not_seen():
+    """120 records of 10 min at 50 Hz: each 95 % interval misses at most 14 times.
+
+    With honest intervals more than 14 misses of 120 happen with probability 1e-3 a coefficient.
+    """
+    fits = allanfit.fit_many(records(GYRO, 120, 30_000, 50.0), rate_hz=50.0)
+    assert bool(jnp.all(fits.converged))
+    for symbol, truth in GYRO.items():
+        low, high = fits.intervals[symbol].T
+        assert int(jnp.sum((truth < low) | (truth > high))) <= 14, symbol
+    # Of 120, 3 % false claims exceed 11 with probability 1e-3.
+    assert int(jnp.sum(fits.resolved["Q"])) <= 11
+    assert int(jnp.sum(fits.resolved["R"])) <= 4
+    np.testing.assert_allclose(jnp.median(fits.coefficients["N"]), GYRO["N"], rtol=0.003)
+
+
+def test_a_ramp_is_found_with_its_size():
+    samples = records(GYRO | {"K": 0.0, "R": 1e-4}, 20, 30_000, 50.0, seed=1)
+    fits = allanfit.fit_many(samples, rate_hz=50.0)
+    assert bool(jnp.all(fits.resolved["R"]))
+    low, high = fits.intervals["R"].T
+    assert int(jnp.sum((low < 1e-4) & (high > 1e-4))) >= 16
+    # What is left of the record knows nothing of the ramp.
+    plain = allanfit.fit_many(samples - 1e-4 * jnp.arange(30_000) / 50, rate_hz=50.0)
+    np.testing.assert_allclose(fits.least_squares["B"], plain.least_squares["B"], rtol=1e-5)
+
+
+def test_rate_and_unit_scale_the_coefficients():
+    x = records(GYRO, 1, 8192, 50.0)[0]
+    one = allanfit.fit(x, 50.0)
+    other = allanfit.fit(1000 * x, 200.0)
+    for symbol, power in zip(SYMBOLS, (1, 0.5, 0, -0.5, -1), strict=True):
+        np.testing.assert_allclose(
+            other.least_squares[symbol], 1000 * 0.25**power * one.least_squares[symbol], rtol=1e-5
+        )
+
+
+def test_batch_equals_loop_and_one_broken_sensor_leaves_the_others():
+    batch = records(GYRO, 3, 4096, 50.0)
+    together = allanfit.fit_many(batch, 50.0)
+    alone = [allanfit.fit(x, 50.0) for x in batch]
+    for symbol in "QNBKR":
+        np.testing.assert_allclose(
+            together.least_squares[symbol],
+            [fit.least_squares[symbol] for fit in alone],
+            rtol=1e-6,
+            atol=1e-12,
+        )
+    broken = allanfit.fit_many(batch.at[1, 100].set(jnp.nan), 50.0)
+    assert broken.converged.tolist() == [True, False, True]
+    for i in (0, 2):
+        for symbol in "QNBKR":
+            assert broken.coefficients[symbol][i] == together.coefficients[symbol][i]
+            assert bool(jnp.all(broken.intervals[symbol][i] == together.intervals[symbol][i]))
+
+
+def test_gradient_with_respect_to_the_samples_is_the_finite_difference():
+    x = records(GYRO, 1, 2048, 50.0, seed=4)[0]
+    direction = jax.random.normal(jax.random.key(1), x.shape) * 1e-3
+    for symbol in "NB":
+
+        def coefficient(series, symbol=symbol):
+            return allanfit.fit(series, 50.0).coefficients[symbol]
+
+        slope = jnp.vdot(jax.grad(coefficient)(x), direction)
+        step = 1e-3
+
+        def least_squares(series, symbol=symbol):
+            return allanfit.fit(series, 50.0).least_squares[symbol]
+
+        forward, backward = least_squares(x + step * direction), least_squares(x - step * direction)
+        np.testing.assert_allclose(slope, (forward - backward) / (2 * step), rtol=1e-3)
+
+
+def test_fit_works_under_jit_and_is_repeatable():
+    x = records(GYRO, 1, 2048, 50.0)[0]
+    jitted = jax.jit(lambda series: allanfit.fit(series, 50.0).intervals["N"])(x)
+    np.testing.assert_allclose(jitted, allanfit.fit(x, 50.0).intervals["N"], rtol=1e-6)
+    again = allanfit.fit(x, 50.0, seed=0)
+    assert bool(jnp.all(again.estimate.draws == allanfit.fit(x, 50.0).estimate.draws))
+
+
+def test_gaps_are_left_out_and_do_not_bias():
+    """A jump across a gap is not seen; what each stretch says is."""
+    x = np.asarray(records(GYRO | {"K": 0.0}, 1, 60_000, 50.0, seed=2)[0])
+    x[30_000:] += 5.0
+    x[29_990:30_010] = np.nan
+    fit = allanfit.fit(x, 50.0, stretches=((0, 29_990), (30_010, 60_000)))
+    assert bool(fit.converged)
+    np.testing.assert_allclose(fit.coefficients["N"], GYRO["N"], rtol=0.02)
+    np.testing.assert_allclose(fit.coefficients["B"], GYRO["B"], rtol=0.35)
+
+
+def test_float32_agrees_with_float64():
+    x = np.asarray(records(GYRO, 1, 60_000, 50.0)[0])
+    wide = allanfit.fit(x, 50.0)
+    with jax.enable_x64(False):
+        narrow = allanfit.fit(x.astype(np.float32), 50.0)
+        assert narrow.estimate.draws.dtype == jnp.float32
+        for symbol in "NBK":
+            value, (low, high) = narrow.coefficients[symbol], narrow.intervals[symbol]
+            width = float(wide.intervals[symbol][1] - wide.intervals[symbol][0])
+            assert abs(float(value) - float(wide.coefficients[symbol])) < 0.1 * width
+            assert abs(float(high - low) / width - 1) < 0.2
+
+
+def test_large_mean_survives_without_x64():
+    x = np.asarray(records(GYRO, 1, 8192, 50.0)[0])
+    with jax.enable_x64(False):
+        biased = allanfit.fit(x + 1e6, 50.0).least_squares["N"]
+        plain = allanfit.fit(x, 50.0).least_squares["N"]
+    np.testing.assert_allclose(biased, plain, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("data", "rate_hz", "message"),
+    [
+        (np.zeros((2, 3, 4)), 100.0, "shape"),
+        (np.zeros((2, 300)), 100.0, "fit_many"),
+        (np.zeros(100), 100.0, "at least 256 samples"),
+        (np.zeros(1000), -1.0, "positive"),
+        (np.zeros(1000), None, "needs rate_hz"),
+        (np.zeros(1000, complex), 100.0, "real numbers"),
+    ],
+)
+def test_bad_arrays_are_refused(data, rate_hz, message):
+    with pytest.raises(ValueError, match=message):
+        allanfit.fit(data, rate_hz)
+
+
+def test_document_of_an_array():
+    document = allanfit.fit(records(GYRO, 1, 4096, 50.0)[0], 50.0).to_dict("gyro_x", "deg/s")
+    (channel,) = document["channels"]
+    assert document["schema"] == "allanfit.fit/1"
+    assert channel["channel"] == "gyro_x"
+    assert channel["coefficients"]["N"]["unit"] == "deg/s/sqrt(Hz)"
+    assert channel["coefficients"]["Q"]["intervals"]["0.95"][0] == 0.0
+    assert channel["coefficients"]["Q"]["upper_limit_95"] > 0
+    sizes = np.round(np.array(channel["curves"]["allan"]["tau_s"]) * 50).astype(int)
+    assert {2**k for k in range(11)} <= set(sizes)

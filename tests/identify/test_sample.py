@@ -1,0 +1,40 @@
+"""emcee's posterior: diagnostics, repeatability, and agreement with the one drawn in JAX."""
+
+import numpy as np
+import pytest
+
+import allanfit
+from allanfit.identify._diagnostics import effective_sample_size, r_hat
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    x = allanfit.simulate({"N": 5e-3, "B": 2e-3, "K": 1e-3}, duration_s=600, rate_hz=50, seed=3)
+    return allanfit.fit(x, 50.0)
+
+
+def test_posterior_converges_and_agrees_with_the_fast_one(fitted):
+    posterior = allanfit.sample(fitted, seed=1)
+    assert posterior.converged
+    assert max(posterior.r_hat.values()) < 1.05
+    slow = fitted.with_draws(posterior.draws.reshape(-1, 5))
+    for symbol in "NBK":
+        width = float(np.diff(slow.intervals[symbol])[0])
+        shift = np.abs(np.asarray(slow.intervals[symbol] - fitted.intervals[symbol])).max()
+        assert shift < 0.15 * width, symbol
+
+
+def test_the_same_seed_gives_the_same_draws(fitted):
+    one = allanfit.sample(fitted, seed=2, most_rounds=1)
+    two = allanfit.sample(fitted, seed=2, most_rounds=1)
+    other = allanfit.sample(fitted, seed=3, most_rounds=1)
+    assert np.array_equal(one.draws, two.draws)
+    assert not np.array_equal(one.draws, other.draws)
+
+
+def test_diagnostics_see_a_chain_that_has_not_mixed():
+    rng = np.random.default_rng(0)
+    mixed = rng.normal(size=(8, 500))
+    assert r_hat(mixed) < 1.01
+    assert effective_sample_size(mixed) > 2000
+    assert r_hat(mixed + np.arange(8)[:, None]) > 1.5

@@ -1,0 +1,165 @@
+"""Findings on samples, each beside healthy samples that must stay silent."""
+
+import numpy as np
+import pytest
+
+from allanfit.recording import load
+from allanfit.recording._checks import code_width, split
+
+SIZE = 30_000
+
+
+def white(seed: int = 3) -> np.ndarray:
+    return np.random.default_rng(seed).standard_normal(SIZE)
+
+
+def low_passed(samples: np.ndarray) -> np.ndarray:
+    """Five samples averaged: neighbours are alike, as behind the filter of a real sensor."""
+    return np.convolve(samples, np.full(5, 5**-0.5), mode="same")
+
+
+def drift() -> np.ndarray:
+    return 0.02 * np.cumsum(white(4))
+
+
+def rounded(samples: np.ndarray, width: float) -> np.ndarray:
+    return width * np.round(samples / width)
+
+
+def findings(samples: np.ndarray, archive) -> tuple[str, ...]:
+    recording = load(archive(data=samples))
+    assert recording.findings == ()
+    return recording.channels[0].findings
+
+
+@pytest.mark.parametrize(
+    "samples",
+    [
+        white(),
+        white().astype(np.float32),
+        (9.81 + 1e-3 * white()).astype(np.float32),
+        (1e-8 * white()).astype(np.float32),
+        white() + drift(),
+        low_passed(white()),
+        rounded(white(), 0.1),
+        rounded(white(), 0.5),
+        rounded(low_passed(white()), 0.5),
+        rounded(white() + drift(), 0.5) + 100,
+        np.round(white(), 6),
+        white() + 8 * (np.random.default_rng(5).random(SIZE) < 0.05) * white(6),
+        rounded(white() + 8 * (np.random.default_rng(5).random(SIZE) < 0.05) * white(6), 0.5),
+        np.append(white(), 1e6),
+        white() * np.repeat([1.0, 5.0], SIZE // 2),
+        3 * np.sin(np.arange(SIZE) / 7) + 0.1 * white(),
+        np.round(white() + 0.03 * rounded(white(8), 1.0), 4),
+        white()[:256],
+    ],
+    ids=[
+        "float64",
+        "float32",
+        "float32 on gravity",
+        "tiny",
+        "drift",
+        "low-pass",
+        "fine codes",
+        "codes of half the noise",
+        "codes and low-pass",
+        "codes and drift",
+        "six decimals",
+        "outliers",
+        "outliers in codes",
+        "one wild value",
+        "variance doubled",
+        "line",
+        "mixed codes",
+        "short",
+    ],
+)
+def test_healthy_samples_are_silent(samples, archive):
+    assert findings(samples, archive) == ()
+
+
+@pytest.mark.parametrize("repeat", [1.05, 2, 3, 10, 100])
+def test_held_samples_are_found(repeat, archive):
+    held = white()[(np.arange(SIZE) / repeat).astype(int)]
+    (finding,) = findings(held, archive)
+    assert "of the samples repeat the one before, where chance explains" in finding
+    assert "read faster than it gives fresh values" in finding
+    stated = float(finding.removeprefix("over ").split(" %")[0])
+    assert stated == pytest.approx(100 * (1 - 1 / repeat), rel=0.02, abs=0.3)
+
+
+def test_held_samples_are_found_among_coarse_codes(archive):
+    held = rounded(white()[np.arange(SIZE) // 2], 0.7)
+    (finding,) = findings(held, archive)
+    assert "read faster" in finding
+
+
+@pytest.mark.parametrize("width", [1.0, 2.0, 4.0])
+def test_a_code_width_as_large_as_the_noise(width, archive):
+    (finding,) = findings(rounded(white(), width), archive)
+    assert finding.startswith(f"The code width, {width:.3g} deg/s, is ")
+    assert finding.endswith("repeat the one before: rounding hides part of the noise.")
+
+
+def test_a_code_met_once_in_a_thousand_samples(archive):
+    samples = np.zeros(SIZE)
+    samples[500::1000] = 0.1
+    (finding,) = findings(samples, archive)
+    assert finding == (
+        "The code width, 0.1 deg/s, is larger than the noise, and over 99 % of the samples repeat "
+        "the one before: rounding hides part of the noise."
+    )
+
+
+def test_a_single_step_between_two_values(archive):
+    (finding,) = findings(np.repeat([0.0, 0.1], 500), archive)
+    assert "The code width, 0.1 deg/s, is larger than the noise" in finding
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.05, 1.0])
+def test_the_code_width(width):
+    assert code_width(rounded(white(), width)) == pytest.approx(width, rel=1e-9)
+    assert code_width(np.float64(np.float32(rounded(white(), width) + 9.8))) == pytest.approx(
+        width, rel=1e-3
+    )
+    assert code_width(np.zeros(500)) == 0.0
+    assert code_width(white()) < 0.01
+
+
+def test_the_code_width_of_two_codes_in_a_long_recording():
+    # Two codes by turns: any even stride would meet only one of them.
+    assert code_width(np.tile([0.0, 0.3], 400_000)) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.parametrize("width", [None, 0.05])
+def test_saturation_is_found_on_each_rail(both, width, archive):
+    samples = white() if width is None else rounded(white(), width)
+    told = findings(np.clip(samples, -1.5 if both else None, 1.5), archive)
+    assert len(told) == 1 + both
+    assert told[-1].endswith("at the extreme value 1.5 deg/s: the output was saturated.")
+    assert told[-1].startswith(("6.7 %", "6.8 %", "6.9 %", "7 %", "7.1 %"))
+
+
+def test_broken_values_split_and_short_stretches_are_left_out(archive):
+    samples = white()
+    samples[[1_000, 1_010, 20_000]] = [np.nan, np.inf, -np.inf]
+    recording = load(archive(data=samples))
+    assert recording.channels[0].stretches == ((0, 1_000), (1_011, 20_000), (20_001, SIZE))
+    assert recording.channels[0].findings == (
+        "Left out as missing or not finite: 3 samples (0.03 s); the longest stretch between has "
+        "189.9 s.",
+        "Left out in stretches shorter than 16 samples: 9 samples (0.09 s).",
+    )
+
+
+def test_split_at_breaks_and_at_both_ends():
+    finite = np.ones(100, dtype=bool)
+    assert split(finite, ()) == ((0, 100),)
+    assert split(finite, (40,)) == ((0, 40), (40, 100))
+    assert split(finite, (10, 90)) == ((10, 90),)
+    finite[[0, 40, 99]] = False
+    assert split(finite, ()) == ((1, 40), (41, 99))
+    assert split(finite, (40, 60)) == ((1, 40), (41, 60), (60, 99))
+    assert split(np.zeros(100, dtype=bool), (50,)) == ()

@@ -1,0 +1,169 @@
+"""Text tables as loggers, spreadsheets and NumPy write them, and what cannot be read as one."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+from allanfit.recording import RecordingError, load
+
+NAMES = ("gyro_x", "gyro_y", "gyro_z")
+HEADER = ",".join(f"{name} [deg/s]" for name in NAMES)
+
+
+def lines(noise: np.ndarray, separator: str = ",", decimal: str = ".") -> str:
+    return "".join(
+        separator.join(str(value).replace(".", decimal) for value in row) + "\n" for row in noise
+    )
+
+
+def check(path, noise, *, unit="deg/s", names=NAMES) -> None:
+    """The file holds `noise`, whatever its dress, and nothing is found wrong with it."""
+    recording = load(path, rate_hz=100.0)
+    assert tuple(channel.name for channel in recording.channels) == names
+    assert recording.findings == ()
+    for channel, expected in zip(recording.channels, noise.T, strict=True):
+        assert channel.unit == unit
+        assert channel.findings == ()
+        assert channel.stretches == ((0, len(noise)),)
+        np.testing.assert_allclose(channel.samples, expected * np.pi / 180, rtol=1e-14)
+
+
+def dressed(noise: np.ndarray) -> dict[str, str | bytes]:
+    """The same table in every dress that is read."""
+    plain = f"{HEADER}\n{lines(noise)}"
+    bare = HEADER.replace(",", "  ")
+    return {
+        "plain.csv": plain,
+        "windows.csv": plain.replace("\n", "\r\n"),
+        "old_mac.csv": plain.replace("\n", "\r"),
+        "byte_order_mark.csv": "\ufeff" + plain,
+        "capital.CSV": plain,
+        "parentheses.csv": plain.replace("[", "(").replace("]", ")"),
+        "no_blank.csv": plain.replace(" [", "["),
+        "semicolons.csv": f"{HEADER.replace(',', ';')}\n{lines(noise, ';')}",
+        "decimal_commas.csv": f"{HEADER.replace(',', ';')}\n{lines(noise, ';', ',')}",
+        "tabs.txt": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t"),
+        "tabs_decimal_commas.txt": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t", ","),
+        "blanks.txt": f"{bare}\n{lines(noise, '   ')}",
+        "indented.txt": f"  {bare}\n" + lines(noise, "  ").replace("\n", "\n   ").rstrip(" "),
+        "quoted.csv": '"'
+        + HEADER.replace(",", '","')
+        + '"\n'
+        + lines(noise, '","').replace("\n", '"\n"').rstrip('"').join(['"', ""]),
+        "padded.csv": f"{HEADER}\n{lines(noise, '  , ')}",
+        "comments.csv": f"# made today\n# at rest\n{plain}# the end\n",
+        "commented_header.txt": f"# {bare}\n{lines(noise, ' ')}",
+        "separator_at_end.csv": plain.replace("\n", ",\n"),
+        "separator_below_header.csv": f"{HEADER}\n" + lines(noise).replace("\n", ",\n"),
+        "blank_lines.csv": plain.replace("\n", "\n\n"),
+        "no_last_newline.csv": plain.rstrip(),
+        "zipped.csv.gz": gzip.compress(plain.encode()),
+        "zipped.txt.gz": gzip.compress(plain.encode()),
+    }
+
+
+@pytest.mark.parametrize("name", list(dressed(np.zeros((1, 3)))))
+def test_every_dress_of_a_table(name, write, noise):
+    check(write(name, dressed(noise)[name]), noise)
+
+
+def test_degree_sign_in_latin_1(write, noise):
+    text = f"{HEADER}\n{lines(noise)}".replace("deg", "°").encode("latin-1")
+    check(write("sign.csv", text), noise, unit="°/s")
+
+
+def test_without_a_header_channels_are_numbered(write, noise):
+    recording = load(write("bare.csv", lines(noise)), rate_hz=100.0, unit="deg/s")
+    assert [channel.name for channel in recording.channels] == [
+        "channel_1",
+        "channel_2",
+        "channel_3",
+    ]
+    assert recording.channels[0].samples.size == 400
+    single = load(write("single.txt", lines(noise[:, :1])), rate_hz=100.0, unit="deg/s")
+    assert single.channels[0].name == "data"
+
+
+def test_a_single_column_with_a_unit(write, noise):
+    path = write("single.csv", "gyro_x [deg/s]\n" + lines(noise[:, :1]))
+    check(path, noise[:, :1], names=("gyro_x",))
+
+
+def test_missing_values_are_not_numbers_and_said(write, noise):
+    text = f"{HEADER}\n{lines(noise)}nan,NA,1.0\n,inf,2.0\n{lines(noise)}"
+    recording = load(write("holes.csv", text), rate_hz=100.0)
+    x, y, z = recording.channels
+    assert x.stretches == y.stretches == ((0, 400), (402, 802))
+    assert x.findings == (
+        "Left out as missing or not finite: 2 samples (0.02 s); the longest stretch between has "
+        "4 s.",
+    )
+    assert (z.stretches, z.findings) == (((0, 802),), ())
+
+
+def test_a_last_line_cut_short_is_missing_values(write, noise):
+    recording = load(write("cut.csv", f"{HEADER}\n{lines(noise)}0.5,0"), rate_hz=100.0)
+    assert recording.channels[2].stretches == ((0, 400),)
+    assert "missing or not finite: 1 sample (" in recording.channels[2].findings[0]
+
+
+def test_a_column_of_words_is_left_out_and_said(write, noise):
+    text = f"{HEADER},status\n" + lines(noise).replace("\n", ",OK\n")
+    recording = load(write("words.csv", text), rate_hz=100.0)
+    assert len(recording.channels) == 3
+    assert recording.findings == ("The column status holds text and is left out.",)
+
+
+def test_a_column_without_any_value_is_left_out_and_said(write, noise):
+    text = f"{HEADER},spare\n" + lines(noise).replace("\n", ",\n")
+    recording = load(write("spare.csv", text), rate_hz=100.0)
+    assert len(recording.channels) == 3
+    assert recording.findings[-1].startswith("The channel spare is left out: it has 0 usable")
+
+
+def test_a_nameless_index_column_is_left_out_and_said(write, noise):
+    rows = [f"{k},{line}" for k, line in enumerate(lines(noise).splitlines())]
+    recording = load(write("index.csv", f",{HEADER}\n" + "\n".join(rows)), rate_hz=100.0)
+    assert [channel.name for channel in recording.channels] == list(NAMES)
+    assert recording.findings[-1] == (
+        "The channel channel_1 is left out: it changes the same way at every sample, as a counter "
+        "or time stamps do."
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "bad.csv is empty"),
+        ("\n \n", "bad.csv is empty"),
+        (HEADER, "holds no table of numbers"),
+        ("# only\n# comments\n", "holds no table of numbers"),
+        ("<html>\n<p>not found</p>\n</html>\n", "holds no table of numbers"),
+        ("word " * 50_000, "holds no table of numbers"),
+        (bytes(range(256)) * 20, "is not plain text: a spreadsheet has to be saved as CSV"),
+        (f"{HEADER}\n1,2,3\n".encode("utf-16"), "is not plain text"),
+        (f"Logger v3\n{HEADER}\n1,2,3\n", "2 lines stand above the numbers, the first 'Logger v3'"),
+        (f"{HEADER}\ndeg/s,deg/s,deg/s\n1,2,3\n", "only one header line may"),
+        ("Logger v3\n1,2,3\n", "line 1: 'Logger v3' has 1 fields and the numbers below it 3"),
+        ("x,y\n0,5,0,6\n", r"for decimal commas, put semicolons between the columns"),
+        ("x y\n0,5 0,6\n", "line 2: '0,5 0,6' mixes commas and blanks: write decimal points"),
+        ("1.0,2.0,OK\n1.0,2.0,OK\n", "line 1: .* mixes numbers and text: give the file a header"),
+        ("gyro_x,gyro_x\n1,2\n", "two columns named gyro_x: rename one"),
+        ("x,y\n1,2\n1,abc\n1,2\n", "line 3, column y: 'abc' is not a number"),
+        ("x;y\n1,5;2,5\n1,5;abc\n", "line 3, column y: 'abc' is not a number"),
+        ("x,y\nbad,1\n" + "1,2\n" * 9, "line 2, column x: 'bad' is not a number"),
+        ("x,y\n1,2\n1,2,3\n", "line 3 has 3 fields, and the first line of numbers has 2"),
+        ('x,y\n1,2\n"1,2\n', "not closed|not a number"),
+    ],
+)
+def test_what_is_no_table_says_where_and_what_to_do(text, message, write):
+    with pytest.raises(RecordingError, match=message):
+        load(write("bad.csv", text), rate_hz=100.0)
+
+
+@pytest.mark.parametrize("damage", [lambda data: data[:-200], lambda data: b"1,2\n" * 400])
+def test_damaged_gzip(damage, write, noise):
+    data = gzip.compress(f"{HEADER}\n{lines(noise)}".encode())
+    with pytest.raises(RecordingError, match=r"bad\.csv\.gz is not a complete gzip file"):
+        load(write("bad.csv.gz", damage(data)), rate_hz=100.0)

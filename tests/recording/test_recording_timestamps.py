@@ -1,0 +1,241 @@
+"""Time stamps: late ones told from lost ones, units, and rates that disagree."""
+
+import re
+
+import numpy as np
+import pytest
+
+from allanfit.recording import RecordingError, load
+from allanfit.recording._timestamps import read_clock
+
+EVEN = np.arange(20_000) / 100
+
+
+def clock(stamps, *, name="time_s", unit="", given_hz=None):
+    return read_clock(np.asarray(stamps), name, unit, given_hz)
+
+
+def random() -> np.random.Generator:
+    return np.random.default_rng(7)
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        EVEN,
+        EVEN[:256],
+        EVEN + 1.7e9,
+        EVEN.astype(np.float32),
+        EVEN + 2e-4 * random().standard_normal(EVEN.size),
+        EVEN * (1 + 2e-4 * np.sin(EVEN / 50)),
+        np.append(EVEN, EVEN[-1] + 3),
+    ],
+    ids=["even", "short", "since 1970", "float32", "slight jitter", "drift", "late last packet"],
+)
+def test_healthy_stamps_are_silent(stamps):
+    told = clock(stamps)
+    assert (told.breaks, told.findings) == ((), ())
+    assert told.rate_hz == pytest.approx(100, rel=3e-4)
+
+
+def test_stamps_rounded_to_milliseconds_still_give_the_rate():
+    told = clock((np.arange(20_000) / 95.2).round(3))
+    assert told.rate_hz == pytest.approx(95.2, rel=1e-5)
+    assert told.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "scale"),
+    [
+        ("time", "s", 1),
+        ("Time", "", 1),
+        ("time_s", "", 1),
+        ("t", "ms", 1e3),
+        ("T_ms", "", 1e3),
+        ("timestamp", "us", 1e6),
+        ("timestamp", "\N{MICRO SIGN}s", 1e6),
+        ("timestamp_us", "", 1e6),
+        ("time", "ns", 1e9),
+        ("TIMESTAMP_NS", "", 1e9),
+        ("time", "sec", 1),
+    ],
+)
+def test_units_of_stamps(name, unit, scale):
+    told = clock(EVEN * scale, name=name, unit=unit)
+    assert told.rate_hz == pytest.approx(100)
+    assert told.findings == ()
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+def test_a_unit_that_nobody_gave_is_inferred_and_said(unit, scale):
+    told = clock(EVEN * scale, name="timestamp")
+    assert told.rate_hz == pytest.approx(100)
+    assert len(told.findings) == 1
+    assert f"taken to be in {unit}, since" in told.findings[0]
+    assert f"`timestamp [{unit}]`" in told.findings[0]
+
+
+def test_a_known_rate_decides_between_units():
+    seconds = np.arange(5_000.0)
+    assert clock(seconds, name="time", given_hz=1.0).rate_hz == 1.0
+    assert clock(seconds, name="time", given_hz=1.0).findings == ()
+    assert clock(seconds, name="time", given_hz=1000.0).rate_hz == 1000.0
+
+
+@pytest.mark.parametrize("dtype", [np.int64, np.uint64])
+def test_nanoseconds_since_1970_keep_their_digits(dtype):
+    stamps = np.arange(5_000, dtype=dtype) * dtype(1_234_567) + dtype(1_700_000_000_123_456_789)
+    assert clock(stamps, unit="ns").rate_hz == pytest.approx(1e9 / 1_234_567, rel=1e-8)
+
+
+def test_a_gap_cuts_and_is_said():
+    told = clock(np.delete(EVEN, slice(5_000, 5_300)))
+    assert (told.rate_hz, told.breaks) == (100.0, (5_000,))
+    assert told.findings == (
+        "The time stamps have a gap of 3.01 s at 49.99 s: about 300 samples are missing there, and "
+        "nothing is put in place.",
+    )
+
+
+def test_many_gaps_are_all_found():
+    stamps, starts = EVEN.copy(), 100 + 390 * np.arange(50)
+    lengths = random().uniform(0.5, 60, starts.size)
+    for start, length in zip(starts, lengths, strict=True):
+        stamps[start:] += length
+    told = clock(stamps)
+    assert told.breaks == tuple(starts)
+    assert told.rate_hz == pytest.approx(100, rel=1e-6)
+    assert "have 50 gaps" in told.findings[0]
+    assert f"the longest {lengths.max() + 0.01:.4g} s at" in told.findings[0]
+
+
+@pytest.mark.parametrize("fraction", [0.001, 0.01, 0.1])
+def test_single_losses_are_counted_and_do_not_cut(fraction):
+    lost = random().choice(np.arange(1, EVEN.size - 50), round(fraction * EVEN.size), replace=False)
+    told = clock(np.delete(EVEN, lost))
+    assert told.breaks == ()
+    assert told.rate_hz == pytest.approx(100, rel=1e-4)
+    (finding,) = told.findings
+    counted = int(re.search(r"a few at a time: (\d+) sample", finding)[1])
+    assert counted == pytest.approx(lost.size, abs=2)
+
+
+def late(stamps: np.ndarray) -> np.ndarray:
+    """A computer that stamps samples when it reads them, up to 0.6 s late and then all at once."""
+    read = np.sort(random().uniform(0, EVEN[-1], 300))
+    held = stamps.copy()
+    for start in read:
+        busy = (stamps >= start) & (stamps < start + 0.6)
+        held[busy] = np.maximum(held[busy], start + 0.6)
+    return held
+
+
+@pytest.mark.parametrize(
+    ("stamps", "rel"),
+    [
+        (np.repeat(EVEN[::5], 5), 1e-3),
+        (np.repeat(EVEN[::200], 200), 2e-2),
+        (np.repeat(EVEN[::16], 16) + np.tile(1e-4 * np.arange(16), EVEN.size // 16), 2e-3),
+        (EVEN + 3e-3 * random().standard_normal(EVEN.size), 1e-3),
+        (late(EVEN), 1e-3),
+    ],
+    ids=["repeats", "long bursts", "buffered", "jitter", "late"],
+)
+def test_uneven_stamps_are_no_gaps(stamps, rel):
+    told = clock(stamps)
+    assert told.breaks == ()
+    assert told.rate_hz == pytest.approx(100, rel=rel)
+    assert "the samples are taken as evenly spaced." in told.findings[-1]
+
+
+def test_a_gap_among_bursts_is_found():
+    told = clock(np.delete(np.repeat(EVEN[::5], 5), slice(5_002, 5_302)))
+    assert told.breaks == (5_002,)
+    assert told.rate_hz == pytest.approx(100, rel=1e-3)
+
+
+def test_stamps_set_back():
+    stamps = EVEN.copy()
+    stamps[9_000:] -= 30
+    told = clock(stamps)
+    assert told.breaks == (9_000,)
+    assert told.rate_hz == pytest.approx(100)
+    assert told.findings == (
+        "The time stamps step backward 1 time, far enough to cut the recording there 1 time.",
+    )
+
+
+def test_missing_stamps_are_said():
+    stamps = EVEN.copy()
+    stamps[[5, 6, 100]] = np.nan
+    told = clock(stamps)
+    assert (told.rate_hz, told.breaks) == (100.0, ())
+    assert told.findings == ("Time stamps missing or not finite: 3.",)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "message"),
+    [
+        (np.full(500, 5.0), "cannot be used: they do not increase"),
+        (-np.arange(500.0), "499 of 500 are earlier than the one before"),
+        (random().standard_normal(500), r"\d+ of 500 are earlier"),
+        (np.full(500, np.nan), "500 of 500 are missing or not finite"),
+        (np.arange(12.0), "there are only 12"),
+    ],
+)
+def test_useless_stamps(stamps, message):
+    with pytest.raises(RecordingError, match=message):
+        clock(stamps)
+
+
+def test_a_unit_that_is_no_time():
+    with pytest.raises(RecordingError, match="their unit 'min' is none of s, ms, us and ns"):
+        clock(EVEN, unit="min")
+
+
+@pytest.mark.parametrize(
+    ("given_hz", "hint"),
+    [
+        (0.01, "is it the sampling interval in s, not the rate?"),
+        (100_000.0, "off by a factor of 1000, is a unit mistaken?"),
+        (0.1, "off by a factor of 1000, is a unit mistaken?"),
+        (120.0, "check which is right."),
+    ],
+)
+def test_a_rate_that_disagrees_is_said(given_hz, hint):
+    (finding,) = clock(EVEN, given_hz=given_hz).findings
+    assert finding.startswith(f"The rate of {given_hz:.6g} Hz, which is used, disagrees with")
+    assert finding.endswith(hint)
+
+
+def test_a_rate_that_agrees_is_silent():
+    assert clock(EVEN, given_hz=101.0).findings == ()
+
+
+def test_load_cuts_channels_at_gaps_and_uses_the_given_rate(archive, noise):
+    time = np.arange(400) / 100
+    time[150:] += 20
+    recording = load(archive(gyro_x=noise[:, 0], time_s=time, rate_hz=None))
+    assert recording.rate_hz == 100.0
+    assert recording.channels[0].stretches == ((0, 150), (150, 400))
+    assert load(archive(gyro_x=noise[:, 0], time_s=time), rate_hz=101.0).rate_hz == 101.0
+
+
+def test_load_does_without_useless_stamps_when_the_rate_is_known(archive, noise):
+    arrays = {"gyro_x": noise[:, 0], "time_s": np.zeros(400)}
+    recording = load(archive(**arrays))
+    assert recording.rate_hz == 100.0
+    assert recording.findings == (
+        "The time stamps cannot be used: they do not increase. Gaps, if there are any, are not "
+        "seen.",
+    )
+    with pytest.raises(RecordingError, match=r"do not increase\. Give the rate with --rate\."):
+        load(archive(**arrays, rate_hz=None))
+
+
+def test_stamps_that_are_text_are_named_when_no_rate_is_known(write, noise):
+    rows = [f"12:00:{k / 100:05.2f},{value}" for k, value in enumerate(noise[:, 0])]
+    path = write("clock.csv", "time,gyro_x [deg/s]\n" + "\n".join(rows))
+    with pytest.raises(RecordingError, match=r"--rate, in Hz\. The column time holds text"):
+        load(path)
+    assert load(path, rate_hz=100.0).findings == ("The column time holds text and is left out.",)

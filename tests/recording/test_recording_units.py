@@ -1,0 +1,136 @@
+"""Units of a data sheet, as people write them, and to which channels they apply."""
+
+import math
+
+import numpy as np
+import pytest
+
+from allanfit.recording import RecordingError, load
+from allanfit.recording._units import parse_unit
+
+DEGREE = math.pi / 180
+GRAVITY = 9.80665
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [
+        ("rad/s", 1.0),
+        ("Rad/S", 1.0),
+        ("rad s^-1", 1.0),
+        ("rad*s-1", 1.0),
+        ("mrad/s", 1e-3),
+        ("deg/s", DEGREE),
+        ("degrees/sec", DEGREE),
+        ("deg per s", DEGREE),
+        ("°/s", DEGREE),
+        ("º/s", DEGREE),
+        ("dps", DEGREE),
+        ("DPS", DEGREE),
+        ("mdps", 1e-3 * DEGREE),
+        ("deg/h", DEGREE / 3600),
+        ("°/hr", DEGREE / 3600),
+        ("degree/hour", DEGREE / 3600),
+        ("deg/min", DEGREE / 60),
+        ("arcsec/s", DEGREE / 3600),
+        ("rpm", 2 * math.pi / 60),
+    ],
+)
+def test_angular_rates(name, factor):
+    unit = parse_unit(name)
+    assert (unit.name, unit.kind, unit.si_unit) == (name, "gyro", "rad/s")
+    assert unit.factor == pytest.approx(factor, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [
+        *((name, 1.0) for name in ("m/s^2", "m/s2", "m/s²", "m/s**2", "m/s/s", "m s^-2")),
+        *((name, 1.0) for name in ("m·s-2", "m.s^-2", "ms-2", "ms^-2")),
+        ("g", GRAVITY),
+        ("G", GRAVITY),
+        ("mg", 1e-3 * GRAVITY),
+        ("ug", 1e-6 * GRAVITY),
+        ("\N{MICRO SIGN}g", 1e-6 * GRAVITY),
+        ("\N{GREEK SMALL LETTER MU}g", 1e-6 * GRAVITY),
+        ("cm/s^2", 1e-2),
+        ("Gal", 1e-2),
+        ("mGal", 1e-5),
+        ("ft/s^2", 0.3048),
+    ],
+)
+def test_accelerations(name, factor):
+    unit = parse_unit(name)
+    assert (unit.name, unit.kind, unit.si_unit) == (name, "accelerometer", "m/s^2")
+    assert unit.factor == pytest.approx(factor, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "1", "counts", "LSB", "V", "mV", "u", "au", "Hz", "m/s", "deg", "deg/s^2", "uT", "degC"],
+)
+def test_all_else_passes_through(name):
+    unit = parse_unit(name)
+    assert (unit.name, unit.kind, unit.si_unit, unit.factor) == (name, "other", name, 1.0)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["furlong", "2*m", "9**9**9", "m^9^9", "m^99999999", "mg/", "(((", "x" * 100, "m/s; rm", "__a"],
+)
+def test_unknown_units_list_the_known_ones(name):
+    with pytest.raises(RecordingError, match=r"is not known: give rad/s, deg/s.*m/s\^2.*counts"):
+        parse_unit(name)
+
+
+def mixed(noise: np.ndarray, units: str | None) -> dict[str, object]:
+    return {"gyro_x": noise[:, 0], "accel_x": noise[:, 1], "data": noise[:, 2], "units": units}
+
+
+def units_of(recording) -> list[str]:
+    return [channel.unit for channel in recording.channels]
+
+
+def test_a_unit_given_goes_where_its_kind_fits(archive, noise):
+    bare = archive(**mixed(noise, None))
+    assert units_of(load(bare, unit="deg/s")) == ["deg/s", "", "deg/s"]
+    assert units_of(load(bare, unit="mg")) == ["", "mg", "mg"]
+    assert units_of(load(bare, unit="counts")) == ["counts", "counts", "counts"]
+    stated = archive(**mixed(noise, '{"gyro_x": "rad/s", "accel_x": "g", "data": "V"}'))
+    assert units_of(load(stated, unit="deg/s")) == ["deg/s", "g", "V"]
+    with pytest.raises(RecordingError, match="unit deg/s fits none of the channels: accel_x is"):
+        load(stated, unit="deg/s", channels=["accel_x"])
+
+
+def test_a_unit_given_mends_an_unknown_one_of_the_file(archive, noise):
+    path = archive(gyro_x=noise[:, 0], units='{"gyro_x": "furlong"}')
+    with pytest.raises(RecordingError, match="'furlong' is not known"):
+        load(path)
+    assert units_of(load(path, unit="deg/s")) == ["deg/s"]
+
+
+def test_no_unit_is_said_once(archive, noise):
+    recording = load(archive(**mixed(noise, None)))
+    assert [channel.kind for channel in recording.channels] == ["other"] * 3
+    assert [channel.factor for channel in recording.channels] == [1.0] * 3
+    (finding,) = recording.findings
+    assert finding.startswith("No unit is known for gyro_x, accel_x, data: ")
+    assert "--unit deg/s" in finding
+
+
+def test_a_unit_of_the_wrong_kind_is_said(archive, noise):
+    recording = load(archive(gyro_x=noise[:, 0], units='{"gyro_x": "g"}'))
+    assert recording.findings == ("The unit g of gyro_x is not one of a gyro.",)
+
+
+@pytest.mark.parametrize(
+    ("level", "unit", "says"), [(1.0, "m/s^2", "g"), (9.81, "g", "m/s^2"), (1000.0, "g", "mg")]
+)
+def test_gravity_in_another_unit_is_said(level, unit, says, archive, noise):
+    axes = {f"accel_{axis}": 1e-3 * noise[:, k] for k, axis in enumerate("xyz")}
+    axes["accel_z"] += level
+    units = dict.fromkeys(axes, unit)
+    path = archive(**axes, units=str(units).replace("'", '"'))
+    (finding,) = load(path).findings
+    assert f"would be gravity in {says}: if so, give --unit {says}." in finding
+    assert load(path, unit=says).findings == ()
