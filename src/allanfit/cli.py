@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import jax
+import numpy as np
 
 try:
     import typer
@@ -104,7 +105,7 @@ def simulate(
     """
     columns, units = {}, {}
     for index, entry in enumerate(read_coefficients(coefficients, channel)):
-        columns[entry.channel] = simulate_series(
+        samples = simulate_series(
             entry.values,
             duration_s=duration,
             rate_hz=rate,
@@ -113,6 +114,7 @@ def simulate(
             sampling=entry.sampling,
             bias=entry.bias,
         )
+        columns[entry.channel] = np.asarray(samples)
         units[entry.channel] = entry.unit
     save(output, columns, units, rate)
 

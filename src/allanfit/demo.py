@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import jax
+import numpy as np
 
 from .identify import RecordingFit, fit_recording
 from .recording import load, save
@@ -28,7 +28,7 @@ def demonstrate(
     folder.mkdir(parents=True, exist_ok=True)
     samples = simulate(TRUTH, duration_s=_DURATION_S, rate_hz=_RATE_HZ, seed=seed, bias=0.3)
     file = folder / "gyro.npz"
-    save(file, {"gyro_x": jax.device_get(samples)}, {"gyro_x": "deg/s"}, _RATE_HZ)
+    save(file, {"gyro_x": np.asarray(samples)}, {"gyro_x": "deg/s"}, _RATE_HZ)
     announce("identifying its noise")
     result = fit_recording(load(file), seed=seed)
     announce("drawing the page")

@@ -32,7 +32,7 @@ def test_intervals_hold_the_truth_and_absent_terms_are_not_seen():
     # Of 120, 3 % false claims exceed 11 with probability 1e-3.
     assert int(jnp.sum(fits.resolved["Q"])) <= 11
     assert int(jnp.sum(fits.resolved["R"])) <= 4
-    np.testing.assert_allclose(jnp.median(fits.coefficients["N"]), GYRO["N"], rtol=0.003)
+    np.testing.assert_allclose(jnp.median(fits.coefficients["N"]), GYRO["N"], rtol=0.01)
 
 
 def test_a_ramp_is_found_with_its_size():
@@ -57,8 +57,9 @@ def test_rate_and_unit_scale_the_coefficients():
 
 
 def test_batch_equals_loop_and_one_broken_sensor_leaves_the_others():
-    batch = records(GYRO, 3, 4096, 50.0)
+    batch = records(GYRO, 3, 8192, 50.0)
     together = allanfit.fit_many(batch, 50.0)
+    assert together.intervals["N"].shape == (3, 2)
     alone = [allanfit.fit(x, 50.0) for x in batch]
     for symbol in "QNBKR":
         np.testing.assert_allclose(
@@ -76,8 +77,8 @@ def test_batch_equals_loop_and_one_broken_sensor_leaves_the_others():
 
 
 def test_gradient_with_respect_to_the_samples_is_the_finite_difference():
-    x = records(GYRO, 1, 2048, 50.0, seed=4)[0]
-    direction = jax.random.normal(jax.random.key(1), x.shape) * 1e-3
+    x = records(GYRO, 1, 8192, 50.0, seed=4)[0]
+    direction = x * jnp.sin(jnp.arange(8192.0) / 50)
     for symbol in "NB":
 
         def coefficient(series, symbol=symbol):
@@ -94,16 +95,16 @@ def test_gradient_with_respect_to_the_samples_is_the_finite_difference():
 
 
 def test_fit_works_under_jit_and_is_repeatable():
-    x = records(GYRO, 1, 2048, 50.0)[0]
-    jitted = jax.jit(lambda series: allanfit.fit(series, 50.0).intervals["N"])(x)
-    np.testing.assert_allclose(jitted, allanfit.fit(x, 50.0).intervals["N"], rtol=1e-6)
+    x = records(GYRO, 1, 8192, 50.0)[0]
+    jitted = jax.jit(lambda series: allanfit.fit(series, 50.0).least_squares["N"])(x)
+    np.testing.assert_allclose(jitted, allanfit.fit(x, 50.0).least_squares["N"], rtol=1e-6)
     again = allanfit.fit(x, 50.0, seed=0)
     assert bool(jnp.all(again.estimate.draws == allanfit.fit(x, 50.0).estimate.draws))
 
 
 def test_gaps_are_left_out_and_do_not_bias():
     """A jump across a gap is not seen; what each stretch says is."""
-    x = np.asarray(records(GYRO | {"K": 0.0}, 1, 60_000, 50.0, seed=2)[0])
+    x = np.array(records(GYRO | {"K": 0.0}, 1, 60_000, 50.0, seed=2)[0])
     x[30_000:] += 5.0
     x[29_990:30_010] = np.nan
     fit = allanfit.fit(x, 50.0, stretches=((0, 29_990), (30_010, 60_000)))
@@ -113,16 +114,17 @@ def test_gaps_are_left_out_and_do_not_bias():
 
 
 def test_float32_agrees_with_float64():
-    x = np.asarray(records(GYRO, 1, 60_000, 50.0)[0])
+    x = np.asarray(records(GYRO, 1, 8192, 50.0)[0])
     wide = allanfit.fit(x, 50.0)
+    widths = {symbol: float(jnp.diff(wide.intervals[symbol])[0]) for symbol in "NBK"}
+    values = {symbol: float(wide.coefficients[symbol]) for symbol in "NBK"}
     with jax.enable_x64(False):
         narrow = allanfit.fit(x.astype(np.float32), 50.0)
         assert narrow.estimate.draws.dtype == jnp.float32
         for symbol in "NBK":
-            value, (low, high) = narrow.coefficients[symbol], narrow.intervals[symbol]
-            width = float(wide.intervals[symbol][1] - wide.intervals[symbol][0])
-            assert abs(float(value) - float(wide.coefficients[symbol])) < 0.1 * width
-            assert abs(float(high - low) / width - 1) < 0.2
+            width = float(jnp.diff(narrow.intervals[symbol])[0])
+            assert abs(float(narrow.coefficients[symbol]) - values[symbol]) < 0.1 * width, symbol
+            assert abs(width / widths[symbol] - 1) < 0.2, symbol
 
 
 def test_large_mean_survives_without_x64():
@@ -150,7 +152,7 @@ def test_bad_arrays_are_refused(data, rate_hz, message):
 
 
 def test_document_of_an_array():
-    document = allanfit.fit(records(GYRO, 1, 4096, 50.0)[0], 50.0).to_dict("gyro_x", "deg/s")
+    document = allanfit.fit(records(GYRO, 1, 8192, 50.0)[0], 50.0).to_dict("gyro_x", "deg/s")
     (channel,) = document["channels"]
     assert document["schema"] == "allanfit.fit/1"
     assert channel["channel"] == "gyro_x"
@@ -158,4 +160,4 @@ def test_document_of_an_array():
     assert channel["coefficients"]["Q"]["intervals"]["0.95"][0] == 0.0
     assert channel["coefficients"]["Q"]["upper_limit_95"] > 0
     sizes = np.round(np.array(channel["curves"]["allan"]["tau_s"]) * 50).astype(int)
-    assert {2**k for k in range(11)} <= set(sizes)
+    assert {2**k for k in range(12)} <= set(sizes)

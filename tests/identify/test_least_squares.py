@@ -67,11 +67,11 @@ def test_no_search_from_many_starts_does_better(seed):
     )
     best = min(
         minimize(
-            lambda p: [np.asarray(v, float) for v in value(p)],
+            lambda p: tuple(np.asarray(v, float) for v in value(p)),
             10.0 ** rng.uniform(-6, 1, 4),
             jac=True,
             method="L-BFGS-B",
-            bounds=[(1e-300, None)] * 4,
+            bounds=[(1e-12, None)] * 4,
         ).fun
         for _ in range(12)
     )
@@ -90,11 +90,10 @@ def test_a_thousand_odd_spectra_end_at_their_optimum():
     )(jax.random.split(key, 1000), power @ EXPECTED.T)
     found = jax.jit(jax.vmap(least_squares, (0, None, None)))(density, EXPECTED, SHAPE)
     scores = jax.vmap(score, (0, 0, None, None))(found.power, density, EXPECTED, SHAPE)
-    assert float(jnp.mean(found.converged)) > 0.995
+    assert float(jnp.mean(found.converged)) > 0.998
     assert float(jnp.max(jnp.where(found.power == 0, scores, -jnp.inf))) < 1e-3
     present = jnp.where(found.converged[:, None] & (found.power > 0), jnp.abs(scores), 0.0)
-    assert float(jnp.max(present)) < 1e-2
-    assert bool(jnp.all(found.deviance_without >= found.deviance[:, None] - 1e-5))
+    assert float(jnp.max(present)) < 1e-3
 
 
 def test_derivative_equals_finite_differences():
@@ -104,8 +103,8 @@ def test_derivative_equals_finite_differences():
         return least_squares(y, EXPECTED, SHAPE).power
 
     jacobian = jax.jacrev(solve)(density)
-    for b in (0, 5, 20, len(density) - 1):
-        step = 3e-3 * density[b]
+    for b in (5, 20, len(density) - 1):
+        step = 1e-2 * density[b]
         difference = (solve(density.at[b].add(step)) - solve(density.at[b].add(-step))) / (2 * step)
         scale = np.abs(difference).max()
         np.testing.assert_allclose(jacobian[:, b], difference, atol=1e-3 * scale)

@@ -9,7 +9,7 @@ from allanfit.identify._diagnostics import effective_sample_size, r_hat
 
 @pytest.fixture(scope="module")
 def fitted():
-    x = allanfit.simulate({"N": 5e-3, "B": 2e-3, "K": 1e-3}, duration_s=600, rate_hz=50, seed=3)
+    x = allanfit.simulate({"N": 5e-3, "B": 2e-3, "K": 1e-3}, duration_s=600.0, rate_hz=50.0, seed=3)
     return allanfit.fit(x, 50.0)
 
 

@@ -15,7 +15,9 @@ def as_series(
     """
     if isinstance(data, np.ndarray) and data.dtype == np.float64 and data.ndim in (1, 2):
         # Without x64, JAX rounds to float32: a large mean would drown the noise. No curve needs it.
-        data = data - np.mean(data, axis=-1, keepdims=True)
+        finite = np.isfinite(data)
+        total = np.sum(data, axis=-1, keepdims=True, where=finite)
+        data = data - total / np.maximum(np.sum(finite, axis=-1, keepdims=True), 1)
     series = jnp.asarray(data)
     if series.ndim not in (1, 2):
         raise ValueError(

@@ -52,10 +52,11 @@ class Estimate(eqx.Module):
     acceptance: Float[Array, ""]
 
     @property
-    def resolved(self) -> Bool[Array, " terms"]:
+    def resolved(self) -> Bool[Array, "*sensors terms"]:
         """Which terms the record shows: the model with it is preferred to the one without."""
         seen = self.deviance_rise > RESOLVED_DEVIANCE
-        return jnp.append(seen, self.ramp_p_value < RESOLVED_RAMP_P)
+        ramp = self.ramp_p_value < RESOLVED_RAMP_P
+        return jnp.concatenate([seen, ramp[..., None]], axis=-1)
 
 
 def as_design_dtype(design: Design, dtype) -> Design:

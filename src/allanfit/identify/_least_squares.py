@@ -52,7 +52,9 @@ def least_squares(
     deviances = jax.vmap(
         lambda power: jnp.sum(deviance_residuals(power, density, scaled, shape) ** 2)
     )(powers)
-    present = powers[0] > 0
+    # Where two terms look alike scoring creeps; a solution on a face may then be ahead.
+    start = powers[jnp.argmin(deviances)]
+    present = start > 0
 
     def residuals(log_power, data):
         misfit = deviance_residuals(
@@ -65,7 +67,7 @@ def least_squares(
     solution = optx.least_squares(
         residuals,
         optx.LevenbergMarquardt(tolerance, tolerance, linear_solver=lx.Normal(lx.Cholesky())),
-        jnp.where(present, jnp.log(jnp.where(present, powers[0], 1.0)), 0.0),
+        jnp.where(present, jnp.log(jnp.where(present, start, 1.0)), 0.0),
         args=density,
         max_steps=_POLISHING_STEPS,
         throw=False,
@@ -75,7 +77,7 @@ def least_squares(
     return LeastSquares(
         power * scale,
         deviance,
-        deviances[1:],
+        jnp.maximum(deviances[1:], deviance),
         (solution.result == optx.RESULTS.successful) & jnp.isfinite(deviance),
     )
 

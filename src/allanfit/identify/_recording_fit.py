@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, overload
 
-import jax
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -158,7 +157,7 @@ def fit_recording(
         if posterior and bool(result.converged):
             drawn = sample(result, seed=seed)
             result = result.with_draws(drawn.draws.reshape(-1, len(STANDARD_TERMS)))
-        fits.append(ChannelFit(channel, jax.device_get(result), drawn))
+        fits.append(ChannelFit(channel, result, drawn))
         done()
     return RecordingFit(recording, tuple(fits))
 

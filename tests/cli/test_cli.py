@@ -1,0 +1,148 @@
+"""The command line: results, exit status, and one line for everything that goes wrong."""
+
+import json
+
+import numpy as np
+import pytest
+
+import allanfit
+from allanfit.cli import main
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    samples = allanfit.simulate({"N": 5e-3, "B": 2e-3}, duration_s=163.84, rate_hz=50.0, seed=1)
+    path = tmp_path_factory.mktemp("recording") / "gyro.npz"
+    np.savez(path, gyro_x=np.asarray(samples), rate_hz=50.0, units='{"gyro_x": "deg/s"}')
+    return path
+
+
+def test_fit_writes_table_json_and_page(recording, tmp_path, capsys):
+    target, page = tmp_path / "fit.json", tmp_path / "fit.html"
+    arguments = ["fit", str(recording), "--no-posterior", "--json", str(target)]
+    assert main([*arguments, "--report", str(page)]) == 0
+    out, err = capsys.readouterr()
+    assert "angle random walk" in out
+    assert "deg/sqrt(h)" in out
+    assert "Page with figures" in err
+    document = json.loads(target.read_text())
+    (channel,) = document["channels"]
+    low, high = channel["coefficients"]["N"]["intervals"]["0.95"]
+    assert channel["unit"] == "deg/s"
+    assert low < 5e-3 < high * 1.05
+    assert "<svg" in page.read_text()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["fit.html", "fit.json"]
+
+
+def test_json_to_stdout_is_json_alone(recording, capsys):
+    assert main(["fit", str(recording), "--no-posterior", "--json", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["schema"] == "allanfit.fit/1"
+    assert err == ""
+
+
+@pytest.mark.parametrize("ending", ["npz", "npy", "csv"])
+def test_simulate_then_load_gives_the_same_samples(tmp_path, ending):
+    coefficients = tmp_path / "c.yaml"
+    coefficients.write_text("unit: deg/s\nN: 0.01\nR: 1.0e-4\n")
+    output = tmp_path / f"sim.{ending}"
+    arguments = ["simulate", str(coefficients), "--duration", "10", "--rate", "50"]
+    assert main([*arguments, "--seed", "2", "--output", str(output)]) == 0
+    found = allanfit.load(output, rate_hz=50.0, unit="deg/s").channels[0]
+    expected = allanfit.simulate(
+        {"N": 0.01, "R": 1e-4}, duration_s=10.0, rate_hz=50.0, seed=2 * 1_000_003
+    )
+    np.testing.assert_allclose(found.samples / found.factor, expected, rtol=1e-12)
+
+
+def test_simulate_from_a_fit_keeps_channels_and_units(recording, tmp_path):
+    target, output = tmp_path / "fit.json", tmp_path / "sim.npz"
+    assert main(["fit", str(recording), "--no-posterior", "--json", str(target)]) == 0
+    arguments = ["simulate", str(target), "--duration", "100", "--rate", "50"]
+    assert main([*arguments, "--output", str(output)]) == 0
+    (channel,) = allanfit.load(output).channels
+    assert (channel.name, channel.unit, len(channel.samples)) == ("gyro_x", "deg/s", 5000)
+
+
+@pytest.mark.parametrize(
+    ("content", "arguments", "message"),
+    [
+        (b"", [], "empty"),
+        (b"\x00\x01\xff\xfe" * 100, [], "bad.csv"),
+        (b"x [deg/s]\n" + b"1.0\n" * 300, ["--rate", "10"], "constant|vary|same"),
+        (b"x [deg/s]\n1.0\n2.0\n", ["--rate", "10"], "256"),
+        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, [], "--rate"),
+        (b"x [furlong]\n" + b"1.0\n2.0\n" * 300, ["--rate", "10"], "furlong"),
+        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, ["--rate", "10", "--channel", "y"], "'y'|y"),
+        (b"x [deg/s]\n" + b"nan\n" * 300, ["--rate", "10"], "finite|NaN|256"),
+        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, ["--rate", "-5"], "rate"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_no_file(content, arguments, message, tmp_path, capsys):
+    import re
+
+    source, target = tmp_path / "bad.csv", tmp_path / "fit.json"
+    source.write_bytes(content)
+    assert main(["fit", str(source), *arguments, "--json", str(target)]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("allanfit: ")
+    assert len(err.splitlines()) == 1
+    assert re.search(message, err), err
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.csv"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("N: -1\n", "zero or more"),
+        ("N: .nan\n", "zero or more"),
+        ("n: 1\n", "names 'n'"),
+        ("unit: deg/s\n", "none of the coefficients"),
+        ("- 1\n", "holds no coefficients"),
+        ("{unclosed", "neither JSON nor YAML"),
+        ('{"channels": [{}]}', "not a complete fit JSON"),
+        ("N: 1\nsampling: often\n", "point or averaged"),
+    ],
+)
+def test_bad_coefficients_are_one_line(text, message, tmp_path, capsys):
+    source = tmp_path / "c.yaml"
+    source.write_text(text)
+    arguments = ["simulate", str(source), "--duration", "10", "--rate", "50"]
+    assert main([*arguments, "--output", str(tmp_path / "sim.npz")]) == 1
+    err = capsys.readouterr().err
+    assert message in err
+    assert len(err.splitlines()) == 1
+
+
+def test_missing_file_and_missing_folder(recording, tmp_path, capsys):
+    assert main(["fit", str(tmp_path / "none.npz")]) == 1
+    assert "none.npz" in capsys.readouterr().err
+    assert main(["fit", str(recording), "--json", str(tmp_path / "no" / "fit.json")]) == 1
+    assert "make it first" in capsys.readouterr().err
+
+
+def test_wrong_usage_exits_with_two(capsys):
+    assert main(["fit"]) == 2
+    assert main(["fit", "x.npz", "--rate", "fast"]) == 2
+    assert main(["nonsense"]) == 2
+    assert main(["--help"]) == 0
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("name", ["vn100", "phone_accelerometer"])
+def test_real_recordings(name, tmp_path):
+    from pathlib import Path
+
+    source = Path(__file__).parents[2].parent / "shared" / "recordings" / f"{name}.npz"
+    if not source.exists():
+        pytest.skip("shared recordings are not beside this checkout")
+    target = tmp_path / "fit.json"
+    assert main(["fit", str(source), "--no-posterior", "--json", str(target)]) == 0
+    document = json.loads(target.read_text())
+    channels = {channel["channel"]: channel for channel in document["channels"]}
+    if name == "vn100":
+        assert 9.0e-5 < channels["gyro_x"]["coefficients"]["N"]["value"] < 1.1e-4
+        assert all(channel["goodness_of_fit"]["consistent"] for channel in channels.values())
+    else:
+        assert any("gap" in finding for finding in document["findings"])
