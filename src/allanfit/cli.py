@@ -208,7 +208,7 @@ def main(argv: Sequence[str]) -> int:
         app(args=list(argv))
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else 1
-    except (ValueError, OSError, MemoryError) as error:
+    except (ValueError, OSError, MemoryError, ImportError) as error:
         # Our own errors are one sentence each; whatever else arrives is made one line.
         message = " ".join(str(error).split()) or type(error).__name__
         typer.echo(f"allanfit: {message}", err=True)

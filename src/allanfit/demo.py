@@ -7,8 +7,9 @@ import numpy as np
 
 from .identify import RecordingFit, fit_recording
 from .recording import load, save
-from .report import write_json, write_page
+from .report import figure, write_json, write_page
 from .simulate import simulate
+from .whole_file import replacing
 
 #: A consumer gyro, in deg/s and seconds; Q and R are absent, and must not be found.
 TRUTH = {"Q": 0.0, "N": 5e-3, "B": 2e-3, "K": 2e-4, "R": 0.0}
@@ -19,7 +20,7 @@ _DURATION_S = 3600.0
 def demonstrate(
     folder: Path, seed: int, announce: Callable[[str], None]
 ) -> tuple[RecordingFit, Path]:
-    """Simulate, save, load, fit; write recording, JSON and page into `folder`.
+    """Simulate, save, load, fit; write recording, JSON, figure and page into `folder`.
 
     **Returns:** the fit, and the page's path. `announce` is told of each stage.
 
@@ -34,6 +35,8 @@ def demonstrate(
     announce("drawing the page")
     document = result.to_dict()
     write_json(document, str(folder / "fit.json"))
+    with replacing(folder / "figure.png") as part:
+        figure(document["channels"][0]).savefig(part, dpi=150)
     page = folder / "report.html"
     write_page(document, page)
     return result, page

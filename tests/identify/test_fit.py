@@ -14,9 +14,7 @@ GYRO = {"N": 5e-3, "B": 2e-3, "K": 1e-3}
 def records(coefficients, count, samples, rate_hz, seed=0):
     model = standard_model(coefficients)
     keys = jax.random.split(jax.random.key(seed), count)
-    return jax.jit(
-        jax.vmap(lambda key: model.sample(key, samples, 1 / rate_hz, "point"))
-    )(keys)
+    return jax.jit(jax.vmap(lambda key: model.sample(key, samples, 1 / rate_hz, "point")))(keys)
 
 
 def test_intervals_hold_the_truth_and_absent_terms_are_not_seen():

@@ -61,9 +61,7 @@ def test_no_search_from_many_starts_does_better(seed):
     scaled = EXPECTED / LEVEL
     found = least_squares(density, scaled, SHAPE)
     value = jax.jit(
-        jax.value_and_grad(
-            lambda p: jnp.sum(deviance_residuals(p, density, scaled, SHAPE) ** 2)
-        )
+        jax.value_and_grad(lambda p: jnp.sum(deviance_residuals(p, density, scaled, SHAPE) ** 2))
     )
     best = min(
         minimize(
@@ -85,9 +83,9 @@ def test_a_thousand_odd_spectra_end_at_their_optimum():
     exponent = jax.random.uniform(key, (1000, 4), minval=-7.0, maxval=0.0)
     power = 10**exponent * jax.random.bernoulli(jax.random.key(4), 0.6, (1000, 4))
     power = power.at[:, 1].add(1e-4) / LEVEL
-    density = jax.vmap(
-        lambda key, mean: jax.random.gamma(key, SHAPE) / SHAPE * mean
-    )(jax.random.split(key, 1000), power @ EXPECTED.T)
+    density = jax.vmap(lambda key, mean: jax.random.gamma(key, SHAPE) / SHAPE * mean)(
+        jax.random.split(key, 1000), power @ EXPECTED.T
+    )
     found = jax.jit(jax.vmap(least_squares, (0, None, None)))(density, EXPECTED, SHAPE)
     scores = jax.vmap(score, (0, 0, None, None))(found.power, density, EXPECTED, SHAPE)
     assert float(jnp.mean(found.converged)) > 0.998

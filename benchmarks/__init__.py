@@ -1,0 +1,1 @@
+"""Studies that stand behind the numbers in the docs; each runs with one command."""
