@@ -1,5 +1,7 @@
 """Against values that nobody here made: published sets, Stable32, allantools, SciPy."""
 
+from itertools import pairwise
+
 import allantools
 import jax
 import jax.numpy as jnp
@@ -82,7 +84,7 @@ def test_cluster_estimator_is_the_plain_loop_with_its_partial_cluster():
     data = np.random.default_rng(1).normal(size=103)
     for n in (1, 2, 7, 10, 50):
         means = [np.mean(data[i : i + n]) for i in range(0, 103, n)]
-        expected = sum((b - a) ** 2 for a, b in zip(means, means[1:], strict=False))
+        expected = sum((b - a) ** 2 for a, b in pairwise(means))
         (found,) = allanfit.allan_variance(data, 1.0, [n], overlapping=False)
         np.testing.assert_allclose(found, expected / (2 * (len(means) - 1)), rtol=1e-12)
 

@@ -24,7 +24,7 @@ BINS_PER_DECADE = 16
 # The ramp's share of the odd coefficients falls as the fourth power of their order: what lies
 # beyond the first 32 of them holds less than 1e-5 of what can be known of it.
 RAMP_MODES = 32
-# Above this order a finite record does nothing to a flicker spectrum (5e-5 there).
+# Above this order the ends of a record matter to no term (5e-5 of the density of flicker).
 _LOW_MODES = 4096
 
 
@@ -132,7 +132,8 @@ def _expected_ordinates(
 ) -> np.ndarray:
     unit = _one(term)
     expected = np.array(unit.density(jnp.asarray(frequency), 1.0, sampling))
-    expected[:_LOW_MODES] *= np.asarray(unit.low_mode_ratio(jnp.asarray(order[:_LOW_MODES])))
+    low = jnp.asarray(order[:_LOW_MODES])
+    expected[:_LOW_MODES] *= np.asarray(unit.low_mode_ratio(low, len(order) + 1))
     return expected
 
 

@@ -34,6 +34,13 @@ class QuantizationNoise(AbstractNoiseTerm):
         """3 Q^2/tau^2 [u^2]."""
         return 3 * self.coefficient**2 / (cluster_size * dt) ** 2
 
+    def low_mode_ratio(self, order: Float[Array, "*shape"], samples: int) -> Float[Array, "*shape"]:
+        """1 + cot^2(pi j/(2 N))/N: the first and last angle errors cancel with no neighbour.
+
+        The sum of squares of the angle errors' weights in the cosine coefficient.
+        """
+        return 1 + 1 / (samples * jnp.tan(jnp.pi * order / (2 * samples)) ** 2)
+
     def sample(
         self, key: PRNGKeyArray, samples: int, dt: float, sampling: Sampling
     ) -> Float[Array, " samples"]:

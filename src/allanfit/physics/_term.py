@@ -65,11 +65,11 @@ class AbstractNoiseTerm(eqx.Module):
     ) -> Float[Array, " samples"]:
         """Draw a realisation, exact in law up to an additive constant."""
 
-    def low_mode_ratio(self, order: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
+    def low_mode_ratio(self, order: Float[Array, "*shape"], samples: int) -> Float[Array, "*shape"]:
         """Expected mirror-spectrum ordinate over the density at its frequency.
 
-        `order` counts half cycles over the record. The mirror spectrum is unbiased for white
-        noise and for a random walk; a term for which it is not says so here.
+        `order` counts half cycles over the record of `samples`. The mirror spectrum is unbiased
+        for white noise and for a random walk; a term for which it is not says so here.
         """
         return jnp.ones_like(order)
 

@@ -1,0 +1,86 @@
+"""The statistics that are fitted: expectation, independence, and how they vary together."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from allanfit.curves import design, joint_covariance, statistics
+from allanfit.physics import standard_model
+
+SAMPLES = 2048
+RECORDS = 3000
+
+
+@pytest.fixture(
+    scope="module",
+    params=[({"N": 1.0, "B": 0.3, "K": 0.02}, "point"), ({"Q": 1.0, "N": 0.2}, "averaged")],
+    ids=["white, flicker, walk", "quantization"],
+)
+def simulated(request):
+    coefficients, sampling = request.param
+    layout = design((SAMPLES,), sampling)
+    model = standard_model(coefficients)
+    found = jax.jit(
+        jax.vmap(lambda key: statistics((model.sample(key, SAMPLES, 1.0, sampling),), layout))
+    )(jax.random.split(jax.random.key(0), RECORDS))
+    power = np.array([coefficients.get(symbol, 0.0) for symbol in "QNBK"]) ** 2
+    return model, layout, power, np.asarray(found.allan), np.asarray(found.density)
+
+
+def test_expectations(simulated):
+    """About 80 statistics; |z| < 4.5, false alarm below 1e-3."""
+    _, layout, power, allan, density = simulated
+    for found, expected in (
+        (density, layout.density @ power),
+        (allan, layout.allan[:, :4] @ power),
+    ):
+        error = found.std(axis=0) / np.sqrt(RECORDS)
+        assert np.abs((found.mean(axis=0) - expected) / error).max() < 4.5
+
+
+def test_bins_are_independent_with_their_degrees_of_freedom(simulated):
+    """Relative error of a variance of a chi-square with one degree is 7 %; four of them."""
+    _, layout, _, _, density = simulated
+    freedom = 2 * density.mean(axis=0) ** 2 / density.var(axis=0)
+    np.testing.assert_allclose(freedom / layout.ordinates, 1.0, atol=0.28)
+    correlation = np.corrcoef(density.T)
+    assert np.abs(correlation - np.eye(len(correlation))).max() < 0.1
+
+
+def test_joint_covariance(simulated):
+    """Correlations to 0.08, four standard errors; standard deviations to 10 %."""
+    model, layout, _, allan, density = simulated
+    matrix = np.asarray(joint_covariance(model, layout).matrix())
+    found = np.cov(np.hstack([allan, density]).T)
+    deviation, expected = np.sqrt(np.diag(found)), np.sqrt(np.diag(matrix))
+    np.testing.assert_allclose(deviation / expected, 1.0, atol=0.13)
+    difference = found / np.outer(deviation, deviation) - matrix / np.outer(expected, expected)
+    assert np.abs(difference).max() < 0.09
+
+
+def test_a_ramp_changes_no_bin():
+    layout = design((SAMPLES,))
+    x = standard_model({"N": 1.0, "K": 0.1}).sample(jax.random.key(3), SAMPLES, 1.0, "point")
+    plain = statistics((x,), layout).density
+    steep = statistics((x + 10.0 * jnp.arange(SAMPLES),), layout).density
+    np.testing.assert_allclose(steep, plain, rtol=1e-6)
+
+
+def test_stretches_pool_their_sums():
+    lengths = (700, 300)
+    layout = design(lengths)
+    x = jax.random.normal(jax.random.key(4), (1000,))
+    pieces = (x[:700], x[700:])
+    found = statistics(pieces, layout)
+    singles = [statistics((piece,), design((len(piece),))) for piece in pieces]
+    sizes = np.asarray(layout.cluster_sizes)
+    n = 5
+    sums = [
+        float(single.allan[np.flatnonzero(design((length,)).cluster_sizes == n)[0]])
+        * (length - 2 * n + 1)
+        for single, length in zip(singles, lengths, strict=True)
+    ]
+    expected = sum(sums) / sum(length - 2 * n + 1 for length in lengths)
+    np.testing.assert_allclose(found.allan[np.flatnonzero(sizes == n)[0]], expected, rtol=1e-9)
+    assert int(np.sum(layout.ordinates)) == 1000 - 2 * 2
