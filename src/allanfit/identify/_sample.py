@@ -7,14 +7,14 @@ import emcee
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float, PRNGKeyArray
 
-from ..curves import unit_scale
+from ..curves import Design, unit_scale
 from ..physics import SYMBOLS
 from ._diagnostics import effective_sample_size, r_hat
 from ._estimate import as_design_dtype, solve
 from ._fit import Fit
-from ._posterior import coordinates, log_posterior, starting_points
+from ._posterior import Coordinates, coordinates, log_posterior, starting_points
 from ._ramp import draw_ramps
 
 _WALKERS = 32
@@ -69,6 +69,25 @@ class Posterior:
         }
 
 
+# Compiled once for all channels of a recording: what differs between them are arguments.
+_solve = jax.jit(solve)
+_log_posteriors = jax.jit(jax.vmap(log_posterior, (0, None, None)))
+
+
+@jax.jit
+def _with_ramps(
+    key: PRNGKeyArray,
+    positions: Float[Array, "draws noise_terms"],
+    space: Coordinates,
+    odd_modes: Float[Array, "stretches modes"],
+    design: Design,
+) -> Float[Array, "draws terms"]:
+    """Coefficients for dt = 1 at a sampler's positions, with a ramp drawn for each."""
+    powers = jax.vmap(space.power)(positions)
+    ramps, _ = draw_ramps(key, odd_modes, powers, design)
+    return jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1)
+
+
 def sample(
     fit: Fit, *, seed: int = 0, most_rounds: int = _MOST_ROUNDS, progress: bool = False
 ) -> Posterior:
@@ -85,16 +104,15 @@ def sample(
     - `progress`: show a progress bar.
     """
     design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
-    solution, data = solve(fit.estimate.statistics, design)
+    solution, data = _solve(fit.estimate.statistics, design)
     space, deviation = coordinates(data, solution.power)
     start_key, ramp_key = jax.random.split(jax.random.key(seed))
     start = starting_points(start_key, solution.power, deviation, space, _WALKERS)
-    log_probability = jax.jit(jax.vmap(lambda x: log_posterior(x, data, space)))
 
     sampler = emcee.EnsembleSampler(
         _WALKERS,
         start.shape[1],
-        lambda x: np.asarray(log_probability(jnp.asarray(x, start.dtype)), np.float64),
+        lambda x: np.asarray(_log_posteriors(jnp.asarray(x, start.dtype), data, space), np.float64),
         vectorize=True,
         moves=_MOVES,
     )
@@ -102,15 +120,16 @@ def sample(
     state = emcee.State(np.asarray(start, np.float64), random_state=random_state)
     state = sampler.run_mcmc(state, _BURN_IN, progress=progress)
     sampler.reset()
-    to_powers = jax.jit(jax.vmap(space.power))
+    rounds = []
     scale = np.asarray(unit_scale(1 / fit.rate_hz))
-    for _ in range(most_rounds):
+    for index in range(most_rounds):
         state = sampler.run_mcmc(state, _ROUND, progress=progress)
-        chain = np.asarray(sampler.get_chain())
-        powers = to_powers(jnp.asarray(chain.reshape(-1, start.shape[1]), start.dtype))
-        ramps, _ = draw_ramps(ramp_key, fit.estimate.statistics.odd_modes, powers, design)
-        draws = np.concatenate([np.sqrt(powers), np.asarray(ramps)[:, None]], axis=1) * scale
-        draws = draws.reshape(*chain.shape[:2], -1).swapaxes(0, 1)
+        chain = np.asarray(sampler.get_chain())[-_ROUND:]
+        flat = jnp.asarray(chain.reshape(-1, start.shape[1]), start.dtype)
+        key = jax.random.fold_in(ramp_key, index)
+        coefficients = _with_ramps(key, flat, space, fit.estimate.statistics.odd_modes, design)
+        rounds.append(np.asarray(coefficients).reshape(*chain.shape[:2], -1) * scale)
+        draws = np.concatenate(rounds).swapaxes(0, 1)
         posterior = Posterior(
             draws=draws,
             r_hat={s: r_hat(draws[..., i]) for i, s in enumerate(SYMBOLS)},
