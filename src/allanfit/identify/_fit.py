@@ -101,8 +101,9 @@ def fit_series(
 ) -> Fit:
     """Identify the five noise coefficients of one still sensor, with intervals.
 
-    The model's expectation of the spectrum and of the Allan variance is fitted by least squares,
-    then its posterior is sampled in JAX. `allanfit.sample` does the latter with emcee.
+    The model's expectation of the mirror spectrum is fitted by least squares, which is the fit of
+    spectrum and Allan variance together with their full covariance, since the latter is a linear
+    map of the former; then the posterior is sampled in JAX. `allanfit.sample` does that by emcee.
 
     **Arguments:**
 
