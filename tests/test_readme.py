@@ -18,13 +18,13 @@ def test_python_of_the_readme_prints_its_output():
     printed = io.StringIO()
     with redirect_stdout(printed):
         exec(compile(code, "README.md", "exec"), {})
-    # Draws differ a little between processors, so numbers are compared to 5 %.
+    # Draws differ a little between processors, so numbers are compared to 10 %.
     number = re.compile(r"\d+\.\d+|\d+")
     assert number.sub("#", printed.getvalue()) == number.sub("#", output)
     shown, made = (
         [float(n) for n in number.findall(text)] for text in (output, printed.getvalue())
     )
-    assert made == pytest.approx(shown, rel=0.05)
+    assert made == pytest.approx(shown, rel=0.1)
 
 
 @pytest.mark.parametrize("page", [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md"])
