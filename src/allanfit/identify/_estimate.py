@@ -119,12 +119,12 @@ def estimate(
 def _fast_posterior(
     key: PRNGKeyArray, power: Float[Array, " terms"], data: Target
 ) -> tuple[Float[Array, "draws terms"], Float[Array, ""]]:
-    space, deviation = coordinates(data, power)
+    space = coordinates(data, power)
     start_key, chain_key = jax.random.split(key)
     chain, acceptance = ensemble(
         chain_key,
         lambda x: log_posterior(x, data, space),
-        starting_points(start_key, power, deviation, space, _WALKERS),
+        starting_points(start_key, power, space, _WALKERS),
         burn_in=_BURN_IN,
         draws=_DRAWS,
         thin=_THIN,

@@ -30,9 +30,14 @@ class Fit(eqx.Module):
 
     @property
     def coefficients(self) -> dict[str, Float[Array, "*sensors"]]:
-        """Posterior medians; their derivatives are those of `least_squares`."""
+        """Posterior medians; their derivatives are those of `least_squares`.
+
+        Where Q is not resolved, the others' are medians over that half of the posterior in which
+        Q is smaller: a value then stands for a sensor without quantization noise, while its
+        interval allows for what noise there may be.
+        """
         least_squares = jnp.abs(self.estimate.least_squares)
-        shift = jax.lax.stop_gradient(self._quantile(0.5) - least_squares)
+        shift = jax.lax.stop_gradient(self._median() - least_squares)
         return _by_symbol(least_squares + shift)
 
     @property
@@ -66,13 +71,10 @@ class Fit(eqx.Module):
         return self.estimate.goodness_of_fit
 
     def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
-        """Equal-tailed intervals of resolved terms; from zero up for the others."""
+        """Equal-tailed intervals; those of unresolved terms are extended down to zero."""
         tail = (1 - probability) / 2
         low = jnp.where(self.estimate.resolved, self._quantile(tail), 0.0)
-        high = jnp.where(
-            self.estimate.resolved, self._quantile(1 - tail), self._quantile(probability)
-        )
-        return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
+        return _by_symbol(jnp.stack([low, self._quantile(1 - tail)], axis=-1), axis=-2)
 
     def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
         """The fit JSON of one sensor, with the name and unit that its array does not carry."""
@@ -85,6 +87,13 @@ class Fit(eqx.Module):
         """The same fit with another sampler's draws behind its intervals."""
         dtype = self.estimate.draws.dtype
         return eqx.tree_at(lambda fit: fit.estimate.draws, self, jnp.asarray(draws, dtype))
+
+    def _median(self) -> Float[Array, "*sensors terms"]:
+        draws, q = jnp.abs(self.estimate.draws), SYMBOLS.index("Q")
+        middle = jnp.median(draws, axis=-2, keepdims=True)
+        used = self.estimate.resolved[..., None, q, None] | (draws <= middle)[..., q, None]
+        halved = jnp.nanmedian(jnp.where(used, draws, jnp.nan), axis=-2)
+        return halved.at[..., q].set(middle[..., 0, q])
 
     def _quantile(self, probability: float) -> Float[Array, "*sensors terms"]:
         # The ramp's sign says which way the mean drifts, its size how much.

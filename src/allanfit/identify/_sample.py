@@ -105,9 +105,9 @@ def sample(
     """
     design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
     solution, data = _solve(fit.estimate.statistics, design)
-    space, deviation = coordinates(data, solution.power)
+    space = coordinates(data, solution.power)
     start_key, ramp_key = jax.random.split(jax.random.key(seed))
-    start = starting_points(start_key, solution.power, deviation, space, _WALKERS)
+    start = starting_points(start_key, solution.power, space, _WALKERS)
 
     sampler = emcee.EnsembleSampler(
         _WALKERS,
