@@ -1,0 +1,98 @@
+"""A plan for every channel of a coefficients file."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..coefficients import Coefficients, read_coefficients
+from ..physics import SYMBOLS, Sampling
+from ._plan import Plan, plan
+from ._want import checked_want
+
+SCHEMA = "allanfit.plan/1"
+
+
+@dataclass(frozen=True)
+class FilePlan:
+    """The plans of the channels of one file, by name."""
+
+    file: str
+    channels: dict[str, Plan]
+    units: dict[str, str]
+
+    @property
+    def duration_s(self) -> float | None:
+        """Length that serves every channel [s]; None if something is out of reach."""
+        lengths = [entry.duration_s for entry in self.channels.values()]
+        known = [length for length in lengths if length is not None]
+        return max(known) if len(known) == len(lengths) else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan JSON, schema allanfit.plan/1."""
+        return {
+            "schema": SCHEMA,
+            "coefficients": self.file,
+            "duration_s": self.duration_s,
+            "channels": [
+                {"channel": name, "unit": self.units[name], **entry.to_dict()}
+                for name, entry in self.channels.items()
+            ],
+        }
+
+
+def plan_file(
+    path: str | Path,
+    rate_hz: float,
+    want: Mapping[str, float],
+    *,
+    channels: list[str] | None = None,
+    sampling: Sampling | None = None,
+) -> FilePlan:
+    """Plan for the channels of a fit JSON, or for a YAML or JSON mapping of symbols to values.
+
+    What a fit has not resolved counts as absent: its size is not known. `sampling` is the file's
+    unless given.
+
+    **Raises:** `ValueError` as `allanfit.plan` does, naming the channel, and `CoefficientsError`
+    as `read_coefficients` does.
+    """
+    path = Path(path)
+    want = checked_want(want)
+    entries = read_coefficients(path, channels)
+    unresolved = _unresolved(path)
+    plans = {}
+    for entry in entries:
+        known = _without(entry, unresolved.get(entry.channel, set()))
+        _refuse_absent(known, want, path.name)
+        plans[entry.channel] = plan(known.values, rate_hz, want, sampling or entry.sampling)
+    return FilePlan(path.name, plans, {entry.channel: entry.unit for entry in entries})
+
+
+def _unresolved(path: Path) -> dict[str, set[str]]:
+    """Terms that a fit JSON, whose form has been checked, calls unresolved; else none."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8-sig"))
+    except ValueError:
+        return {}
+    return {
+        entry["channel"]: {
+            symbol for symbol in SYMBOLS if not entry["coefficients"][symbol].get("resolved", True)
+        }
+        for entry in document.get("channels", [])
+    }
+
+
+def _without(entry: Coefficients, symbols: set[str]) -> Coefficients:
+    kept = {symbol: value for symbol, value in entry.values.items() if symbol not in symbols}
+    return replace(entry, values=kept)
+
+
+def _refuse_absent(entry: Coefficients, want: Mapping[str, float], file: str) -> None:
+    for symbol in want:
+        if not entry.values.get(symbol):
+            raise ValueError(
+                f"{symbol} is wanted, but {entry.channel} of {file} has none that is resolved and "
+                f"above zero; leave {symbol} out, or choose channels that have it."
+            )

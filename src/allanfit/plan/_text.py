@@ -1,0 +1,59 @@
+"""Plans as a table for a terminal."""
+
+import textwrap
+from collections.abc import Sequence
+
+from ..physics import SYMBOLS
+from ..report._format import duration, printable, significant
+from ._file import FilePlan
+from ._plan import Plan, percent
+
+_WIDTH = 80
+_LEGEND = (
+    "Percentages are relative standard errors: half-widths of 68 % intervals. A 95 % interval is "
+    "twice as wide. Errors above about 20 % are rough."
+)
+
+
+def plan_text(found: FilePlan) -> str:
+    """A row for each channel: how long for each wish, which one sets it, and what comes of it."""
+    plans = found.channels
+    first = next(iter(plans.values()))
+    wishes = [f"{symbol} to {percent(error)}" for symbol, error in first.want.items()]
+    lengths = [["channel", *wishes, "record", "set by"]]
+    errors = [["channel", "after", *SYMBOLS]]
+    for name, entry in plans.items():
+        by_wish = [_length(length) for length in entry.durations_s.values()]
+        total = _length(entry.duration_s)
+        lengths.append([printable(name), *by_wish, total, entry.set_by or "-"])
+        errors.append([printable(name), duration(entry.at_s), *_errors(entry)])
+    heading = (
+        f"{printable(found.file)} at {significant(first.rate_hz)} Hz: "
+        "how long to record, at rest and without a gap"
+    )
+    lines = [*textwrap.wrap(heading, _WIDTH), "", *_aligned(lengths)]
+    lines += ["", "What that tells of each coefficient:", "", *_aligned(errors), ""]
+    if len(plans) > 1 and found.duration_s is not None:
+        lines += [f"Record {duration(found.duration_s)} for all channels.", ""]
+    lines += textwrap.wrap(_LEGEND, _WIDTH)
+    for name, entry in plans.items():
+        for note in entry.notes:
+            lines += textwrap.wrap(f"{printable(name)}: {note}", _WIDTH, subsequent_indent="  ")
+    return "\n".join(lines)
+
+
+def _length(seconds: float | None) -> str:
+    return "out of reach" if seconds is None else duration(seconds)
+
+
+def _errors(entry: Plan) -> list[str]:
+    known = entry.relative_standard_error
+    return [percent(known[symbol]) if symbol in known else "-" for symbol in SYMBOLS]
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
