@@ -24,16 +24,26 @@ def flicker_by_fractional_filter(rng, samples, coefficient, dt, averaged):
 
 
 def flicker_by_relaxations(rng, samples, coefficient, dt, averaged):
-    """First-order relaxations, eight a decade, from a tenth of dt to ten records."""
-    times = np.geomspace(0.1 * dt, 10 * samples * dt, 8 * int(np.log10(100 * samples)) + 1)
+    """First-order relaxations, six a decade, from a thousandth of dt to thirty records.
+
+    Where a sensor averages, each relaxation's mean over an interval is drawn exactly: integrating
+    dx = -x/T dt + q dW says that it is (x_k - x_(k+1) + q W) T/dt.
+    """
+    times = np.geomspace(1e-3 * dt, 30 * samples * dt, 6 * int(np.log10(3e4 * samples)) + 1)
     # Equal variance a decade makes 1/f: S = 4 s^2 T/(1 + (2 pi f T)^2), summed over ln T.
-    variance = coefficient**2 / np.pi * np.log(times[1] / times[0]) * 1.0
+    variance = coefficient**2 / np.pi * np.log(times[1] / times[0])
     total = np.zeros(samples)
     for time in times:
-        decay = np.exp(-dt / time)
-        drive = np.sqrt(variance * (1 - decay**2)) * rng.standard_normal(samples)
-        drive[0] = np.sqrt(variance) * rng.standard_normal()
-        total += lfilter([1.0], [1.0, -decay], drive)
+        decay, strength = np.exp(-dt / time), np.sqrt(2 * variance / time)
+        step = np.sqrt(dt) * rng.standard_normal(samples)
+        # The part of the increment that follows the Wiener step, and the rest.
+        share = strength * time * -np.expm1(-dt / time) / dt
+        rest = variance * -np.expm1(-2 * dt / time) - share**2 * dt
+        drive = share * step + np.sqrt(max(rest, 0.0)) * rng.standard_normal(samples)
+        start = np.sqrt(variance) * rng.standard_normal()
+        after, _ = lfilter([1.0], [1.0, -decay], drive, zi=[decay * start])
+        before = np.concatenate([[start], after[:-1]])
+        total += (before - after + strength * step) * time / dt if averaged else before
     return total
 
 
