@@ -55,9 +55,9 @@ def walk(rng, samples, coefficient, dt, averaged):
     return np.cumsum(steps).reshape(samples, 16).mean(axis=1)
 
 
-def record(rng, samples, dt, coefficients, *, averaged=False, relaxations=False):
+def record(rng, samples, dt, coefficients, *, averaged=False):
     """The sum of the five terms, shape (samples,)."""
-    flicker = flicker_by_relaxations if relaxations else flicker_by_fractional_filter
+    flicker = flicker_by_relaxations if averaged else flicker_by_fractional_filter
     makers = {"Q": quantization, "N": white, "B": flicker, "K": walk}
     total = coefficients.get("R", 0.0) * dt * np.arange(samples)
     for symbol, make in makers.items():

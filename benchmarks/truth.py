@@ -36,8 +36,8 @@ SCENARIOS = {
     "consumer gyro, all five terms, 3 h": (
         10800, 20, {"Q": 3e-4, "N": 5e-3, "B": 1e-3, "K": 1e-4, "R": 1e-5}, {},
     ),
-    "industrial gyro, averaging, relaxations, 1 h": (
-        3600, 50, {"N": 2e-3, "B": 8e-4, "K": 5e-5}, {"averaged": True, "relaxations": True},
+    "industrial gyro, averaging, 1 h": (
+        3600, 50, {"N": 2e-3, "B": 8e-4, "K": 5e-5}, {"averaged": True},
     ),
     "tactical gyro, averaging, 3 h": (
         10800, 20, {"N": 2e-4, "B": 1.5e-4, "K": 6e-6}, {"averaged": True},

@@ -22,10 +22,10 @@ RESOLVED_DEVIANCE = 3.84
 # A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
 RESOLVED_RAMP_P = 0.005
 
-_WALKERS = 24
+_WALKERS = 32
 _BURN_IN = 300
-_DRAWS = 200
-_THIN = 4
+_DRAWS = 400
+_THIN = 3
 
 
 class Estimate(eqx.Module):
