@@ -1,0 +1,94 @@
+"""A fit in the form of a filter or a simulator: one function a format."""
+
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+
+from ..report._format import printable
+from ._errors import ExportError
+from ._exported import Exported
+from ._imu_error_model import imu_error_model
+from ._kalibr import kalibr
+from ._kalman import kalman
+from ._matlab import matlab
+from ._options import Options
+from ._read import FitFile, read_fit
+from ._ros import ros
+from ._yaml import coefficients_yaml
+
+#: Writers by format. A writer takes the channels and the options, and touches no file.
+FORMATS: dict[str, Callable[[FitFile, Options], Exported]] = {
+    "kalman": kalman,
+    "kalibr": kalibr,
+    "ros": ros,
+    "matlab": matlab,
+    "yaml": coefficients_yaml,
+    "imu-error-model": imu_error_model,
+}
+_USED: dict[str, set[str]] = {
+    "kalman": {"band_s", "walk"},
+    "kalibr": {"axes", "walk", "rostopic"},
+    "ros": {"axes", "walk"},
+    "matlab": {"axes", "band_s"},
+    "yaml": set(),
+    "imu-error-model": {"axes", "band_s", "walk"},
+}
+# Coefficients as they were found are of use whatever was resolved.
+_ANY_FIT = {"yaml"}
+
+
+def export(
+    fit: str | Path,
+    target: str,
+    options: Options | None = None,
+    *,
+    channels: list[str] | None = None,
+) -> Exported:
+    """A fit's JSON file as the text of another program's file.
+
+    **Arguments:**
+
+    - `fit`: path of a JSON that `allanfit fit --json` wrote.
+    - `target`: kalman, kalibr, ros, matlab, yaml or imu-error-model.
+    - `options`: choices, see `Options`.
+    - `channels`: those to export; all unless given.
+
+    **Returns:** the text, and warnings, one sentence each.
+
+    **Raises:** `ExportError` for an unknown format, a file that is no fit, a white noise that is
+    not resolved, and what the format cannot express.
+    """
+    writer = FORMATS.get(target)
+    if writer is None:
+        raise ExportError(f"The format {target!r} is not known; known are {', '.join(FORMATS)}.")
+    options = options or Options()
+    _refuse_unused(target, options)
+    found = read_fit(fit, channels)
+    if target not in _ANY_FIT:
+        _refuse_without_white_noise(found)
+    exported = writer(found, options)
+    doubts = [
+        f"The five terms do not explain {channel.name}: its numbers describe it in part only."
+        for channel in found.channels
+        if not channel.consistent
+    ]
+    return Exported(exported.text, [printable(each) for each in [*doubts, *exported.warnings]])
+
+
+def _refuse_unused(target: str, options: Options) -> None:
+    """An option without effect is a misunderstanding, to be cleared up before the file is used."""
+    for choice in fields(Options):
+        changed = getattr(options, choice.name) != choice.default
+        if changed and choice.name not in _USED[target]:
+            name = choice.name.removesuffix("_s")
+            raise ExportError(f"--{name} has no effect on the format {target}: leave it out.")
+
+
+def _refuse_without_white_noise(fit: FitFile) -> None:
+    for channel in fit.channels:
+        term = channel.coefficients["N"]
+        if not (term.resolved and term.value > 0):
+            raise ExportError(
+                f"N of {channel.name} is not resolved, and a filter cannot do without: choose "
+                "other channels with --channel, or record at a higher rate or for longer."
+            )

@@ -1,0 +1,55 @@
+"""Coefficients as YAML, which `allanfit simulate` and `allanfit plan` read back."""
+
+from ._exported import Exported
+from ._options import Options
+from ._read import Coefficient, FitChannel, FitFile
+from ._yaml_text import comment, number, text
+
+
+def coefficients_yaml(fit: FitFile, options: Options) -> Exported:
+    """Every coefficient of every channel with its intervals, resolved or not, to the last digit."""
+    lines = [
+        *comment(f"Noise coefficients of {fit.recording}, written by allanfit."),
+        *comment("Simulate with: allanfit simulate FILE --duration S --rate HZ --output FILE"),
+        *comment(
+            "Continuous time. One-sided densities: 2 N^2, B^2/(pi f), K^2/(2 pi^2 f^2). A ramp "
+            "that is not resolved is not simulated."
+        ),
+        f"recording: {text(fit.recording)}",
+        "channels:",
+    ]
+    for channel in fit.channels:
+        lines += _channel_lines(channel)
+    return Exported("\n".join(lines) + "\n", [])
+
+
+def _channel_lines(channel: FitChannel) -> list[str]:
+    lines = [
+        f"- channel: {text(channel.name)}",
+        f"  unit: {text(channel.unit)}",
+        f"  rate_hz: {number(channel.rate_hz)}",
+        f"  samples: {channel.samples}",
+        f"  sampling: {channel.sampling}",
+        f"  mean: {number(channel.mean)}",
+        "  coefficients:",
+    ]
+    for term in channel.coefficients.values():
+        lines += _term_lines(term)
+    return lines
+
+
+def _term_lines(term: Coefficient) -> list[str]:
+    limit = "null" if term.upper_limit_95 is None else number(term.upper_limit_95)
+    intervals = ", ".join(
+        f"{text(probability)}: [{number(low)}, {number(high)}]"
+        for probability, (low, high) in term.intervals.items()
+    )
+    return [
+        f"    {term.symbol}:",
+        f"      name: {text(term.name)}",
+        f"      unit: {text(term.unit)}",
+        f"      value: {number(term.value)}",
+        f"      resolved: {'true' if term.resolved else 'false'}",
+        f"      upper_limit_95: {limit}",
+        f"      intervals: {{{intervals}}}",
+    ]
