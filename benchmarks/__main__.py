@@ -1,6 +1,9 @@
-"""Run every benchmark in its quick form: `python -m benchmarks`."""
+"""Run the benchmarks in their quick forms: `python -m benchmarks`."""
 
-from . import truth
+from . import export, optima, plan, truth
 
 if __name__ == "__main__":
     truth.main(["--quick"])
+    optima.main(["--fits", "500"])
+    plan.main(["--records", "40"])
+    export.main()

@@ -2,13 +2,19 @@
 
 from importlib.metadata import version as _version
 
+from . import calibrate as calibrate
 from .curves import allan_variance as allan_variance
 from .curves import cluster_sizes as cluster_sizes
 from .curves import psd as psd
+from .curves import slope_reading as slope_reading
 from .identify import Fit as Fit
+from .identify import Influence as Influence
 from .identify import fit as fit
 from .identify import fit_many as fit_many
+from .identify import influence as influence
 from .identify import sample as sample
+from .plan import Plan as Plan
+from .plan import plan as plan
 from .recording import Recording as Recording
 from .recording import RecordingError as RecordingError
 from .recording import load as load

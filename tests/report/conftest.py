@@ -150,6 +150,21 @@ def make_channel(
     }
 
 
+def make_influence(symbols: str, duration_s: float, marked: int) -> dict[str, Any]:
+    """Even shares of 20 pieces, but for a marked one that holds half of the last term."""
+    even, heavy = [1 / 20] * 20, [0.5 / 19] * 20
+    heavy[marked] = 0.5
+    return {
+        "time_s": np.linspace(0, duration_s, 21).tolist(),
+        "share": {symbol: heavy if symbol == symbols[-1] else even for symbol in symbols},
+        "expected": dict.fromkeys(symbols, even),
+        "stands_out": {
+            symbol: [symbol == symbols[-1] and piece == marked for piece in range(20)]
+            for symbol in symbols
+        },
+    }
+
+
 def make_document() -> dict[str, Any]:
     """A gyro, an accelerometer and a channel of no known unit with a hostile name."""
     gyro = make_channel(
@@ -159,6 +174,8 @@ def make_document() -> dict[str, Any]:
         {"Q": 0.0, "N": 5e-3, "B": 1e-3, "K": 1e-4, "R": 0.0},
         si_unit="rad/s",
     )
+    gyro["slope_reading"] = {"Q": None, "N": 5.1e-3, "B": 1.63e-3, "K": 1.42e-4, "R": None}
+    gyro["influence"] = make_influence("NBK", 3600.0, 13)
     gyro["findings"] = ["The code width is 0.8 of the noise; see `output_rounding`."]
     accelerometer = make_channel(
         "accel_z",

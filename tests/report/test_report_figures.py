@@ -6,6 +6,7 @@ import pytest
 
 from allanfit.report import figure
 from allanfit.report._figures import svg
+from allanfit.report._shares_panel import draw_shares
 
 
 def texts(axes) -> list[str]:
@@ -131,3 +132,25 @@ def test_the_svg_stands_alone(document):
     assert element.count('id="') == element.count('id="psd-1-')
     assert element.count("url(#") == element.count("url(#psd-1-")
     assert element.count('href="#') == element.count('href="#psd-1-') > 0
+
+
+def test_shares_have_a_panel_a_term_and_a_triangle_where_one_stands_out(document):
+    channel = document["channels"][0]
+    channel["influence"]["share"]["B"] = [-0.1, *[1.1 / 19] * 19]
+    panels = draw_shares(channel).axes
+    assert [texts(axes) for axes in panels] == [["N"], ["B"], ["K"]]
+    assert panels[-1].get_xlabel() == "time in the recording [min]"
+    assert panels[1].get_ylim()[0] < -10
+    triangles = [np.asarray(axes.lines[-1].get_xdata()) for axes in panels]
+    assert [len(marks) for marks in triangles] == [0, 0, 1]
+    assert triangles[2][0] == pytest.approx(13.5 * 3)
+    bars = panels[2].patches
+    assert bars[13].get_height() == pytest.approx(50.0)
+    assert bars[13].get_facecolor() != bars[12].get_facecolor()
+
+
+@pytest.mark.parametrize(("duration", "unit"), [(90.0, "s"), (599.0, "s"), (72000.0, "h")])
+def test_shares_are_against_time_in_a_handy_unit(document, duration, unit):
+    channel = document["channels"][0]
+    channel["influence"]["time_s"] = np.linspace(0, duration, 21).tolist()
+    assert draw_shares(channel).axes[-1].get_xlabel().endswith(f"[{unit}]")

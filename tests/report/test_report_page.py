@@ -46,12 +46,17 @@ def test_the_page_is_whole(source):
     page = Page(source)
     text = " ".join(" ".join(page.words).split())
     assert len(page.ids) == len(set(page.ids))
-    assert sum(tag == "svg" for tag, _ in page.tags) == 6
+    assert sum(tag == "svg" for tag, _ in page.tags) == 7
     for fact in (
         "0.30000 [0.29928, 0.30072] deg/√h",
         "8.727e-5 [8.706e-5, 8.748e-5] rad/s/√Hz",
         "resolved, 0.01 s to 49 s",
         "< 0.036 arcsec",
+        "Slope reading",
+        "0.00163",
+        "no such slope",
+        "A bar is what 3 min of the recording adds",
+        "Dark bars under a triangle stand out",
         "the five terms agree with both curves (p = 0.41)",
         "R-hat at most 1.007",
         "The fit did not converge: the least squares stopped after 200 steps",
@@ -60,6 +65,28 @@ def test_the_page_is_whole(source):
     ):
         assert fact in text
     assert len(re.findall("<li>(?=[APRB])", source[source.index("How to read") :])) == 5
+
+
+def test_a_document_of_an_earlier_version_has_no_shares_and_no_slopes(document, capsys):
+    document["channels"] = document["channels"][1:2]
+    write_page(document, "-")
+    page = capsys.readouterr().out
+    assert 'class="slope"' not in page
+    assert "figcaption>" not in page
+
+
+def test_shares_that_chance_explains_are_said_to_be_so(document, capsys):
+    channel = document["channels"][0]
+    channel["influence"]["stands_out"]["K"] = [False] * 20
+    write_page(document, "-")
+    assert "No stretch stands out by more than chance." in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("empty", [None, {"time_s": [0.0, 1.0], "share": {}}])
+def test_a_fit_without_shares_has_no_such_figure(document, capsys, empty):
+    document["channels"][0]["influence"] = empty
+    write_page(document, "-")
+    assert "figcaption>" not in capsys.readouterr().out
 
 
 def test_names_of_the_user_stay_text(source):

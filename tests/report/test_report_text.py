@@ -18,12 +18,20 @@ gyro_x [deg/s]
   fit      the five terms agree with both curves (p = 0.41)
   sampler  emcee, 8000 draws, R-hat at most 1.007, effective sample size at
            least 1730, acceptance 0.43: converged
+  slopes   N 0.0051, B 0.00163, K 1.42e-4: the classical reading of the curve,
+           biased
   - The code width is 0.8 of the noise; see `output_rounding`.
 """
 
 
 def test_a_gyro_is_printed_so(document):
     assert GYRO in format_text(document)
+
+
+def test_a_curve_without_a_slope_to_read_says_so(document):
+    channel = document["channels"][0]
+    channel["slope_reading"] = dict.fromkeys("QNBKR")
+    assert "slopes   none: the classical reading" in format_text(document)
 
 
 def test_an_accelerometer_has_two_field_units_for_velocity_random_walk(document):

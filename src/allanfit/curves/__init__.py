@@ -14,5 +14,8 @@ from ._design import unit_scale as unit_scale
 from ._input import as_series as as_series
 from ._psd import Spectrum as Spectrum
 from ._psd import psd as psd
+from ._slope_reading import octaves as octaves
+from ._slope_reading import read_slopes as read_slopes
+from ._slope_reading import slope_reading as slope_reading
 from ._statistics import Statistics as Statistics
 from ._statistics import statistics as statistics

@@ -10,9 +10,9 @@ that a term is hardly ever much smaller than that; a factor
 
 corrects this: between s and a s it makes the prior uniform in the logarithm. Most sensors have no
 quantization noise to speak of, so that a = 1e-4 for Q, which amounts to even chances of its being
-absent; some flicker and some random walk are in every sensor, so that a = 0.3 for B and K. The
-values were chosen by the coverage of all intervals, with each term absent, at the limit of what
-can be seen, and plain (docs/how-it-works.md).
+absent; white noise may drown in it, so that a = 1e-2 for N; some flicker and some random walk are
+in every sensor, so that a = 0.3 for B and K. The values were chosen by the coverage of all
+intervals, with each term absent, at the limit of what can be seen, and plain.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,7 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from ._likelihood import Powers, fisher_information, log_likelihood
 
 # a of the prior above, for Q, N, B and K.
-_ABSENCE = np.array([1e-4, 1.0, 0.3, 0.3])
+_ABSENCE = np.array([1e-4, 1e-2, 0.3, 0.3])
 
 
 class Target(NamedTuple):

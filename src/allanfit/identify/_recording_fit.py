@@ -6,13 +6,17 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, overload
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..curves import octaves, read_slopes
 from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
 from ..recording import Channel, Recording
 from ._curves_document import curves_document
 from ._fit import Fit, fit_series
+from ._influence import Influence, influence
+from ._influence_document import influence_document, influence_findings
 from ._sample import Posterior, sample
 
 SCHEMA = "allanfit.fit/1"
@@ -20,6 +24,9 @@ SCHEMA = "allanfit.fit/1"
 _MISFIT = 0.01
 # Standard deviations by which the spectrum must fall short near the Nyquist frequency.
 _DEFICIT = 3.0
+# Pieces whose influence is told, if each has as many samples.
+_PIECES = 60
+_SAMPLES_A_PIECE = 16
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,7 @@ class ChannelFit:
     channel: Channel
     fit: Fit
     posterior: Posterior | None
+    influence: Influence | None = None
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -51,7 +59,30 @@ class ChannelFit:
         if self.posterior is not None and not self.posterior.converged:
             worst = max(self.posterior.r_hat.values())
             found.append(f"The sampler has not settled (R-hat {worst:.3f}): intervals are rough.")
+        if self.influence is not None:
+            found += influence_findings(
+                self.influence, self.fit, self.channel.unit, self.channel.factor
+            )
         return tuple(found)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """How much longer to record for narrower intervals, a sentence for each wide one."""
+        # A plan is made of a fit's likelihood, and so knows this package.
+        from ..plan import advice
+
+        result = self.fit
+        if not bool(result.converged):
+            return ()
+        rate_hz = float(result.rate_hz)
+        return advice(
+            {symbol: float(value) for symbol, value in result.coefficients.items()},
+            {symbol: bool(seen) for symbol, seen in result.resolved.items()},
+            sum(result.design.lengths) / rate_hz,
+            rate_hz,
+            result.design.sampling,
+            {s: (float(low), float(high)) for s, (low, high) in result.intervals.items()},
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """This channel's entry in the fit JSON, in the unit that the user gave."""
@@ -76,8 +107,23 @@ class ChannelFit:
             },
             "posterior": None if self.posterior is None else self.posterior.to_dict(),
             "curves": curves_document(result, factor),
+            "slope_reading": self._slope_reading(),
+            "influence": None
+            if self.influence is None
+            else influence_document(self.influence, result),
             "findings": list(self.findings),
+            "advice": list(self.advice),
         }
+
+    def _slope_reading(self) -> dict[str, float | None]:
+        """What a ruler reads off the Allan deviation, in the unit that the user gave."""
+        design = self.fit.design
+        sizes = np.intersect1d(octaves(sum(design.lengths)), design.cluster_sizes)
+        shown = np.searchsorted(design.cluster_sizes, sizes)
+        deviation = jnp.sqrt(self.fit.estimate.statistics.allan[shown])
+        tau_s = jnp.asarray(sizes / float(self.fit.rate_hz), deviation.dtype)
+        reading = read_slopes(tau_s, deviation / self.channel.factor)
+        return {symbol: _number(value) for symbol, value in reading.items()}
 
     def _coefficients(self) -> dict[str, Any]:
         result, factor = self.fit, self.channel.factor
@@ -157,7 +203,7 @@ def fit_recording(
         if posterior and bool(result.converged):
             drawn = sample(result, seed=seed)
             result = result.with_draws(drawn.draws.reshape(-1, len(STANDARD_TERMS)))
-        fits.append(ChannelFit(channel, result, drawn))
+        fits.append(ChannelFit(channel, result, drawn, _influence(channel, result)))
         done()
     return RecordingFit(recording, tuple(fits))
 
@@ -194,6 +240,13 @@ def series_document(result: Fit, name: str, unit: str) -> dict[str, Any]:
     channel = Channel(name, unit, 1.0, unit, "other", samples, ((0, len(samples)),), ())
     recording = Recording(name, float(result.rate_hz), (channel,), (), (), "")
     return RecordingFit(recording, (ChannelFit(channel, result, None),)).to_dict()
+
+
+def _influence(channel: Channel, result: Fit) -> Influence | None:
+    if not bool(result.converged):
+        return None
+    pieces = min(_PIECES, sum(result.design.lengths) // _SAMPLES_A_PIECE)
+    return influence(result, channel.samples, channel.stretches, pieces=pieces)
 
 
 def _usable(channel: Channel) -> np.ndarray:

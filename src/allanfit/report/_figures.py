@@ -36,8 +36,8 @@ def figure(channel: Mapping[str, Any]) -> "matplotlib.figure.Figure":
     return draw(channel, ("allan", "psd"), title=True)
 
 
-def svg(channel: Mapping[str, Any], curve: str, prefix: str) -> str:
-    """One curve of a channel ("allan" or "psd") as an SVG element to put into a page.
+def svg(channel: Mapping[str, Any], subject: str, prefix: str) -> str:
+    """A curve of a channel ("allan" or "psd"), or its "shares", as an SVG element for a page.
 
     `prefix` goes before every identifier: those of several figures share one page.
 
@@ -45,11 +45,14 @@ def svg(channel: Mapping[str, Any], curve: str, prefix: str) -> str:
     """
     with report_extra():
         from ._panels import draw, style
+        from ._shares_panel import draw_shares
     # Dates and library versions would make two equal reports differ.
     undated = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     stream = io.StringIO()
     with style():
-        draw(channel, (curve,), title=False).savefig(stream, format="svg", metadata=undated)
+        shares = subject == "shares"
+        sheet = draw_shares(channel) if shares else draw(channel, (subject,), title=False)
+        sheet.savefig(stream, format="svg", metadata=undated)
     element = stream.getvalue()
     element = element[element.index("<svg") :]
     return _ID_PATTERN.sub(lambda match: match[0] + prefix, element)

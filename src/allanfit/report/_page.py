@@ -12,7 +12,9 @@ from ._rows import (
     coefficient_rows,
     description,
     fit_sentence,
+    has_shares,
     sampler_sentence,
+    shares_caption,
     warning_sentence,
 )
 from ._units import typeset
@@ -60,6 +62,10 @@ def _page(document: Mapping[str, Any]) -> str:
             # Drawn by us, every user's string in it escaped by matplotlib.
             "allan": Markup(svg(channel, "allan", f"allan-{number}-")),
             "psd": Markup(svg(channel, "psd", f"psd-{number}-")),
+            "shares": Markup(svg(channel, "shares", f"shares-{number}-"))
+            if has_shares(channel)
+            else "",
+            "shares_caption": shares_caption(channel),
         }
         for number, channel in enumerate(document["channels"], start=1)
     ]

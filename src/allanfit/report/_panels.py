@@ -16,7 +16,7 @@ from ._units import squared_per_hertz, typeset
 
 # Okabe and Ito's palette, which people with any common colour blindness tell apart. Terms that
 # are neighbours on the curve have colours that also differ in lightness.
-_COLOURS = {"Q": "#CC79A7", "N": "#0072B2", "B": "#009E73", "K": "#D55E00", "R": "#E69F00"}
+COLOURS = {"Q": "#CC79A7", "N": "#0072B2", "B": "#009E73", "K": "#D55E00", "R": "#E69F00"}
 _DATA_COLOUR = "#4D4D4D"
 _BAR_COLOUR = "#B3B3B3"
 _BAND_COLOUR = "#E6E6E6"
@@ -183,7 +183,7 @@ def _draw_curve(axes: Axes, curve: _Curve, coefficients: Mapping[str, Any]) -> N
             (lines[name],) = axes.plot(
                 curve.x,
                 values,
-                color=_COLOURS.get(name, "black"),
+                color=COLOURS.get(name, "black"),
                 linestyle="--" if coefficients[name]["resolved"] else ":",
                 zorder=2.5,
             )

@@ -18,6 +18,9 @@ from ._units import Conversion, field_units, si_unit
 _SAMPLING = {"point": "point samples", "averaged": "samples averaged over their interval"}
 
 
+_SLOPE_DIGITS = 3
+
+
 class Row(NamedTuple):
     """One noise term of one channel."""
 
@@ -27,6 +30,7 @@ class Row(NamedTuple):
     reading: Reading  # in the user's unit
     field: tuple[Reading, ...]  # in the units of the field, none where the unit is not known
     si: Reading | None  # None where the user's unit is SI already, or not known
+    slope: str  # what a ruler reads off the Allan deviation, "" where it is not told
     span: str  # the averaging times at which the term is the largest, "0.01 s to 27 s", or ""
 
     @property
@@ -62,6 +66,7 @@ def _row(symbol: str, entry: Mapping[str, Any], channel: Mapping[str, Any], span
             for conversion in field_units(kind, unit, symbol)
         ),
         si=None if si is None or si.factor == 1.0 else _converted(entry, si, resolved),
+        slope=_slope(channel, symbol),
         span=span if resolved else "",
     )
 
@@ -76,6 +81,15 @@ def _converted(entry: Mapping[str, Any], conversion: Conversion, resolved: bool)
         return reading(scaled(entry["value"]), interval, conversion.unit)
     limit = entry["upper_limit_95"]
     return upper_limit(scaled(bounds[1] if limit is None else limit), conversion.unit)
+
+
+def _slope(channel: Mapping[str, Any], symbol: str) -> str:
+    # Documents of earlier versions have no slope reading.
+    readings = channel.get("slope_reading") or {}
+    if symbol not in readings:
+        return ""
+    value = readings[symbol]
+    return "no such slope" if value is None else significant(value, _SLOPE_DIGITS)
 
 
 def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
@@ -116,6 +130,45 @@ def fit_sentence(channel: Mapping[str, Any]) -> str:
     if goodness["consistent"]:
         return f"the five terms agree with both curves ({shown})"
     return f"the five terms do not explain the curves ({shown})"
+
+
+def slope_sentence(channel: Mapping[str, Any]) -> str:
+    """What a ruler reads off the Allan deviation, "" where the document does not tell."""
+    readings = channel.get("slope_reading") or {}
+    shown = [
+        f"{symbol} {significant(value, _SLOPE_DIGITS)}"
+        for symbol, value in readings.items()
+        if value is not None
+    ]
+    if not readings:
+        return ""
+    return f"{', '.join(shown) or 'none'}: the classical reading of the curve, biased"
+
+
+def has_shares(channel: Mapping[str, Any]) -> bool:
+    """Whether the document tells where in the recording any coefficient comes from."""
+    return bool((channel.get("influence") or {}).get("share"))
+
+
+def shares_caption(channel: Mapping[str, Any]) -> str:
+    """What the figure of the shares shows, in words, "" where there is none."""
+    if not has_shares(channel):
+        return ""
+    entry = channel["influence"]
+    edges = entry["time_s"]
+    length = duration((edges[-1] - edges[0]) / (len(edges) - 1))
+    marked = any(any(row) for row in entry["stands_out"].values())
+    return (
+        f"Where in the recording each term comes from. A bar is what {length} of the recording "
+        "adds to the square of the coefficient (to the ramp itself), in per cent; a negative one "
+        "pulls it down. The black line is what a sensor that stays the same would show. "
+        + (
+            "Dark bars under a triangle stand out: fewer than one good recording in a hundred has "
+            "any."
+            if marked
+            else "No stretch stands out by more than chance."
+        )
+    )
 
 
 def sampler_sentence(channel: Mapping[str, Any]) -> str:

@@ -11,6 +11,7 @@ from ._rows import (
     description,
     fit_sentence,
     sampler_sentence,
+    slope_sentence,
     warning_sentence,
 )
 
@@ -48,6 +49,7 @@ def _channel_lines(channel: Mapping[str, Any]) -> list[str]:
     facts = {
         "fit": fit_sentence(channel),
         "sampler": sampler_sentence(channel),
+        "slopes": slope_sentence(channel),
         "warning": warning_sentence(channel),
     }
     return [

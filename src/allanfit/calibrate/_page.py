@@ -1,0 +1,85 @@
+"""A calibration as one HTML page, with its residuals."""
+
+import os
+from importlib.metadata import version
+from importlib.resources import files
+from typing import Any
+
+from ..report._errors import report_extra
+from ..report._files import write_whole
+from ..report._format import significant
+from ..report._units import typeset
+from ._result import AxisCalibration, Calibration
+from ._rows import axis_rows, misalignment_rows
+
+_RESIDUAL_HELP = {
+    "up-down": (
+        "Points are means of short blocks of each recording, less its mean: a slope or a wave is "
+        "drift of the bias."
+    ),
+    "rate-table": (
+        "Residuals are readings less the straight line; a bend or a step at zero is a response "
+        "that is no straight line."
+    ),
+    "multi-position": (
+        "Residuals are corrected readings less gravity, in their length, or along each axis where "
+        "the attitudes are known."
+    ),
+}
+
+
+def write_calibration_page(found: Calibration, target: str | os.PathLike[str]) -> None:
+    """Write one HTML page, to a path or to standard output for "-".
+
+    The page needs no other file, no network and no script, and is there whole or not at all.
+
+    **Raises** `ReportError` when jinja2 or matplotlib is not installed, and when the file cannot
+    be written.
+    """
+    write_whole(_page(found), target)
+
+
+def _page(found: Calibration) -> str:
+    with report_extra():
+        from jinja2 import Environment, StrictUndefined
+        from markupsafe import Markup
+
+        from ._figure import residual_svg
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["typeset"] = typeset
+    template = environment.from_string(
+        files("allanfit.calibrate").joinpath("page.html.jinja").read_text("utf-8")
+    )
+    axes = [
+        {
+            "name": name,
+            "rows": axis_rows(axis, found.procedure),
+            "per_rate": _per_rate(axis),
+            "unit_in_brackets": f" [{typeset(axis.bias.unit)}]" if axis.bias.unit else "",
+            # Drawn by us, every user's string in it escaped by matplotlib.
+            "figure": axis.residuals and Markup(residual_svg(axis.residuals, f"axis-{number}-")),
+        }
+        for number, (name, axis) in enumerate(found.axes.items(), start=1)
+    ]
+    return template.render(
+        found=found,
+        axes=axes,
+        misalignment=misalignment_rows(found),
+        figure=found.residuals and Markup(residual_svg(found.residuals, "triad-")),
+        residual_help=_RESIDUAL_HELP[found.procedure],
+        style=Markup(files("allanfit.report").joinpath("style.css").read_text("utf-8")),
+        version=version("allanfit"),
+    )
+
+
+def _per_rate(axis: AxisCalibration) -> list[tuple[Any, ...]]:
+    return [
+        (
+            significant(row["rate"]),
+            significant(row["bias"]),
+            significant(100 * row["scale_factor"]),
+        )
+        for row in axis.per_rate or ()
+    ]

@@ -1,0 +1,71 @@
+"""A calibration as plain text for a terminal, 80 columns wide."""
+
+import textwrap
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from ..report._format import printable, significant
+from ._result import AxisCalibration, Calibration
+from ._rows import Row, axis_rows, misalignment_rows
+
+_WIDTH = 80
+_LEGEND = (
+    "[low, high] is the 95 % interval; significant means that it excludes zero. measured = a + S "
+    "a + B with the bias B and the scale factor S."
+)
+
+
+def calibration_text(found: Calibration) -> str:
+    """Each axis with its values, intervals and whether they differ from zero; no final newline."""
+    lines = textwrap.wrap(f"{printable(found.source)}: {found.procedure} test", _WIDTH)
+    lines += textwrap.wrap(found.description, _WIDTH, initial_indent="  ", subsequent_indent="  ")
+    for finding in found.findings:
+        lines += textwrap.wrap(
+            printable(finding), _WIDTH, initial_indent="  - ", subsequent_indent="    "
+        )
+    for name, axis in found.axes.items():
+        lines += ["", printable(name), *_table(axis_rows(axis, found.procedure))]
+        lines += _per_rate(axis)
+    if found.misalignment:
+        lines += ["", "misalignment", *_table(misalignment_rows(found)), ""]
+        lines += textwrap.wrap(
+            found.misalignment_convention, _WIDTH, initial_indent="  ", subsequent_indent="  "
+        )
+    lines += ["", *textwrap.wrap(f"{_LEGEND} {found.intervals}", _WIDTH)]
+    return "\n".join([*lines, f"allanfit {version('allanfit')}"])
+
+
+def _table(rows: Sequence[Row]) -> list[str]:
+    cells = [
+        (row.label if k == 0 else "", *_printed(each), row.state if k == 0 else "")
+        for row in rows
+        for k, each in enumerate(row.readings)
+    ]
+    return _aligned(cells)
+
+
+def _printed(each: tuple[str, str, str]) -> tuple[str, str, str]:
+    value, interval, unit = each
+    return value, interval, printable(unit)
+
+
+def _per_rate(axis: AxisCalibration) -> list[str]:
+    """What each pair of readings says alone."""
+    if axis.per_rate is None:
+        return []
+    unit = axis.bias.unit
+    suffix = f" [{printable(unit)}]" if unit else ""
+    rows = [(f"rate{suffix}", f"bias{suffix}", "scale factor [%]")]
+    for row in axis.per_rate:
+        scale = 100 * row["scale_factor"]
+        rows.append((significant(row["rate"]), significant(row["bias"]), significant(scale)))
+    return ["  each rate alone:", *_aligned(rows)]
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  "
+        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]

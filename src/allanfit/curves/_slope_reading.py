@@ -1,0 +1,88 @@
+"""The classical reading of an Allan deviation plot, for comparison with a fit."""
+
+import math
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ._allan import allan_variance
+from ._input import as_series
+
+# What to multiply sigma(tau) by: each term's line is read where the standards read it, Q at
+# tau = sqrt(3) s, N at 1 s, K at 3 s, R at sqrt(2) s, and B as the flat level over 0.664.
+_SLOPES = {"Q": -1.0, "N": -0.5, "B": 0.0, "K": 0.5, "R": 1.0}
+_FACTORS = {
+    "Q": 1 / math.sqrt(3),
+    "N": 1.0,
+    "B": 1 / math.sqrt(2 * math.log(2) / math.pi),
+    "K": math.sqrt(3),
+    "R": math.sqrt(2),
+}
+# A part of the curve counts as a term's line when its slope is as near as this.
+_NEAR = 0.25
+# Beyond a tenth of the record fewer than ten differences of clusters are independent.
+_LONGEST = 10
+_FEWEST_OCTAVES = 3
+
+
+def slope_reading(
+    data: Float[Array, "*sensors samples"] | np.ndarray, rate_hz: float
+) -> dict[str, Float[Array, "*sensors"]]:
+    """Q, N, B, K, R as they are read off an Allan deviation plot with a ruler.
+
+    A line of each term's slope is laid through the octave of tau, up to a tenth of the record,
+    where the local log-log slope is closest to it, and read where IEEE Std 952-1997 (annex C) and
+    IEEE Std 1293 do: N on the slope -1/2 at 1 s, Q on the slope -1 at sqrt(3) s, B at the flat
+    part over sqrt(2 ln 2/pi) = 0.664, K on the slope +1/2 at 3 s, R on the slope +1 at sqrt(2) s.
+
+    **It has no uncertainty and is biased**: terms overlap, so that each line carries some of its
+    neighbours, and one octave of the curve stands for all. It is here to show what many tools
+    report. Use `allanfit.fit` for the coefficients themselves.
+
+    **Arguments:**
+
+    - `data`: samples [u] of one sensor, shape (samples,), or of several, (sensors, samples);
+      at least 40.
+    - `rate_hz`: samples per second.
+
+    **Returns:** by symbol, in u and seconds as `Fit.coefficients`; NaN for a term whose slope no
+    part of the curve comes within 0.25 of.
+
+    **Raises:** `ValueError` for too few samples, a wrong shape or a rate that is not positive.
+
+    >>> slope_reading(samples, rate_hz=100.0)["N"]
+    """
+    series = as_series(data, rate_hz)
+    sizes = octaves(series.shape[-1])
+    variance = allan_variance(series, rate_hz, sizes)
+    return read_slopes(jnp.asarray(sizes / rate_hz, variance.dtype), jnp.sqrt(variance))
+
+
+def octaves(samples: int) -> np.ndarray:
+    """The cluster sizes that a slope reading looks at: 1, 2, 4, ... up to a tenth of a record.
+
+    **Raises:** `ValueError` for fewer than 40 samples, since two octaves make no slope.
+    """
+    fewest = _LONGEST * 2 ** (_FEWEST_OCTAVES - 1)
+    if samples < fewest:
+        raise ValueError(f"a slope reading needs at least {fewest} samples; got {samples}")
+    return 2 ** np.arange(int(math.log2(samples // _LONGEST)) + 1)
+
+
+def read_slopes(
+    tau_s: Float[Array, " octaves"], deviation: Float[Array, "*sensors octaves"]
+) -> dict[str, Float[Array, "*sensors"]]:
+    """`slope_reading` of an Allan deviation [u] at averaging times an octave apart [s]."""
+    slope = jnp.asarray(jnp.gradient(jnp.log2(deviation), axis=-1))
+
+    def read(symbol: str) -> Float[Array, "*sensors"]:
+        distance = jnp.abs(slope - _SLOPES[symbol])
+        # The curve of a dead channel has no slope anywhere.
+        distance = jnp.where(jnp.isfinite(distance), distance, jnp.inf)
+        line = _FACTORS[symbol] * deviation * tau_s ** -_SLOPES[symbol]
+        closest = jnp.argmin(distance, axis=-1, keepdims=True)
+        value = jnp.take_along_axis(line, closest, axis=-1)[..., 0]
+        return jnp.where(jnp.min(distance, axis=-1) <= _NEAR, value, jnp.nan)
+
+    return {symbol: read(symbol) for symbol in _SLOPES}
