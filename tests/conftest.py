@@ -1,12 +1,22 @@
 """What every test shares."""
 
+import os
 from pathlib import Path
 
 import jax
 import pytest
 
+from allanfit.compilation import shorten_compilation
+
 # Float64 throughout, as on the command line; tests of float32 turn it off for themselves.
 jax.config.update("jax_enable_x64", True)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    folder = config.cache.mkdir("compiled")
+    shorten_compilation(folder)
+    # For the commands that tests start.
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,7 @@ import pytest
 import allanfit
 from allanfit.cli import main
 from allanfit.curves import design, statistics, unit_scale
-from allanfit.identify._estimate import solve
+from allanfit.identify._estimate import solve, target
 from allanfit.plan import advice, parse_want
 from allanfit.plan._errors import relative_errors
 from allanfit.plan._record import counted_design
@@ -69,7 +69,11 @@ def test_simulated_records_scatter_as_planned():
     walk = np.cumsum(4e-3 / math.sqrt(rate_hz) * normal((records, samples)), axis=1)
     data = 5e-3 * math.sqrt(rate_hz) * normal((records, samples)) + walk
     layout = design((samples,))
-    solved = jax.jit(jax.vmap(lambda x: solve(statistics((x,), layout), layout)[0].power))(data)
+
+    def power(x):
+        return solve(target(statistics((x,), layout), layout)).power
+
+    solved = jax.jit(jax.vmap(power))(data)
     found = np.sqrt(np.asarray(solved)) * np.asarray(unit_scale(1 / rate_hz))[:4]
     for symbol, true in coefficients.items():
         error = np.sqrt(np.mean((found[:, "QNBK".index(symbol)] / true - 1) ** 2))

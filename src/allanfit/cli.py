@@ -15,6 +15,7 @@ import numpy as np
 
 try:
     import typer
+    from platformdirs import user_cache_path
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
@@ -29,6 +30,7 @@ from .calibrate import (
     write_calibration_page,
 )
 from .coefficients import read_coefficients
+from .compilation import shorten_compilation
 from .demo import TRUTH, demonstrate
 from .export import FORMATS, Options, parse_walk
 from .export import export as export_fit
@@ -388,6 +390,7 @@ def _progress() -> Progress:
 def _configure_jax() -> None:
     """Float64, and a bounded cache of compiled code, in a process that is ours."""
     jax.config.update("jax_enable_x64", True)
+    shorten_compilation(user_cache_path("allanfit") / "compiled")
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "allanfit"
     if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
         jax.config.update("jax_compilation_cache_dir", str(cache))

@@ -6,13 +6,13 @@ lengths of the stretches between gaps and how the sensor samples; it is computed
 on the host, for a sampling interval of one. `unit_scale` carries coefficients to the real one.
 """
 
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling
 from ._bins import logarithmic_edges
@@ -26,6 +26,7 @@ BINS_PER_DECADE = 16
 RAMP_MODES = 32
 # Above this order the ends of a record matter to no term (5e-5 of the density of flicker).
 _LOW_MODES = 4096
+_CHUNK = 16384
 
 
 # NumPy when made, traced when inside jit.
@@ -119,7 +120,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         differences=np.sum([np.maximum(length - 2 * sizes + 1, 0) for length in lengths], axis=0),
         allan=np.stack(
             [
-                np.asarray(_one(term).allan_variance(jnp.asarray(sizes, float), 1.0, sampling))
+                np.asarray(_allan_variance(term, sampling, jnp.asarray(sizes, float)))
                 for term in (*NOISE_TERMS, RateRamp)
             ],
             axis=-1,
@@ -130,11 +131,37 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
 def _expected_ordinates(
     term: type[AbstractNoiseTerm], order: np.ndarray, frequency: np.ndarray, sampling: Sampling
 ) -> np.ndarray:
-    unit = _one(term)
-    expected = np.array(unit.density(jnp.asarray(frequency), 1.0, sampling))
-    low = jnp.asarray(order[:_LOW_MODES])
-    expected[:_LOW_MODES] *= np.asarray(unit.low_mode_ratio(low, len(order) + 1))
+    """Of unit power, in chunks of one size, so that all lengths share one compilation."""
+    padded = np.pad(frequency, (0, -len(frequency) % _CHUNK), constant_values=0.25)
+    chunks = [
+        np.asarray(_density(term, sampling, jnp.asarray(chunk)))
+        for chunk in padded.reshape(-1, _CHUNK)
+    ]
+    expected = np.concatenate(chunks)[: len(frequency)]
+    low = np.asarray(_low_mode_ratio(term, jnp.asarray(len(order) + 1)))
+    expected[:_LOW_MODES] *= low[: len(expected)]
     return expected
+
+
+@partial(jax.jit, static_argnums=(0, 1))
+def _density(
+    term: type[AbstractNoiseTerm], sampling: Sampling, frequency: Float[Array, " chunk"]
+) -> Float[Array, " chunk"]:
+    return _one(term).density(frequency, 1.0, sampling)
+
+
+@partial(jax.jit, static_argnums=0)
+def _low_mode_ratio(
+    term: type[AbstractNoiseTerm], samples: Int[Array, ""]
+) -> Float[Array, " modes"]:
+    return _one(term).low_mode_ratio(jnp.arange(1.0, _LOW_MODES + 1), samples)
+
+
+@partial(jax.jit, static_argnums=(0, 1))
+def _allan_variance(
+    term: type[AbstractNoiseTerm], sampling: Sampling, sizes: Float[Array, " sizes"]
+) -> Float[Array, " sizes"]:
+    return _one(term).allan_variance(sizes, 1.0, sampling)
 
 
 def _one(term: type[AbstractNoiseTerm]) -> AbstractNoiseTerm:

@@ -29,14 +29,13 @@ def ensemble(
     usual_step = 2.38 / (2 * dimension) ** 0.5
 
     def move(key, movers, movers_density, others):
-        partner_key, stretch_key, kind_key, accept_key = jax.random.split(key, 4)
-        first, apart = jax.random.randint(partner_key, (2, half), 0, half)
-        second = (first + 1 + apart % (half - 1)) % half
+        # One call, because every one compiles to a hundred operations.
+        partner, apart, uniform, kind, accept = jax.random.uniform(key, (5, half), start.dtype)
+        first = (half * partner).astype(int)
+        second = (first + 1 + ((half - 1) * apart).astype(int)) % half
         # Density of the stretch z proportional to 1/sqrt(z) on [1/2, 2].
-        uniform = jax.random.uniform(stretch_key, (half,), start.dtype)
         stretch = (1 + uniform) ** 2 / 2
         stretched = others[first] + stretch[:, None] * (movers - others[first])
-        kind = jax.random.uniform(kind_key, (half,), start.dtype)
         length = jnp.where(kind < 0.35, 1.0, usual_step)
         # A hundredth of a step at random keeps walkers off a lattice.
         length = length * (0.99 + 0.02 * uniform)
@@ -46,27 +45,26 @@ def ensemble(
         proposal_density = density(proposal)
         volume = jnp.where(stretching, (dimension - 1) * jnp.log(stretch), 0.0)
         log_ratio = volume + proposal_density - movers_density
-        accept = jnp.log(jax.random.uniform(accept_key, (half,), start.dtype)) < log_ratio
+        accept = jnp.log(accept) < log_ratio
         return (
             jnp.where(accept[:, None], proposal, movers),
             jnp.where(accept, proposal_density, movers_density),
             jnp.mean(accept),
         )
 
-    def step(state, key):
-        first, first_density, second, second_density = state
-        first_key, second_key = jax.random.split(key)
-        first, first_density, rate_a = move(first_key, first, first_density, second)
-        second, second_density, rate_b = move(second_key, second, second_density, first)
-        return (first, first_density, second, second_density), (rate_a + rate_b) / 2
+    def half_step(state, key):
+        # The halves change places, so that one compiled move serves both.
+        movers, movers_density, others, others_density = state
+        movers, movers_density, rate = move(key, movers, movers_density, others)
+        return (others, others_density, movers, movers_density), rate
 
     def thinned(state, keys):
-        state, rates = jax.lax.scan(step, state, keys)
+        state, rates = jax.lax.scan(half_step, state, keys)
         return state, (jnp.concatenate([state[0], state[2]]), jnp.mean(rates))
 
-    burn_key, draw_key = jax.random.split(key)
+    warm_up = -(-burn_in // thin)
+    keys = jax.random.split(key, (warm_up + draws, 2 * thin))
     first, second = start[:half], start[half:]
     state = (first, density(first), second, density(second))
-    state, _ = jax.lax.scan(step, state, jax.random.split(burn_key, burn_in))
-    _, (chain, rates) = jax.lax.scan(thinned, state, jax.random.split(draw_key, (draws, thin)))
-    return chain, jnp.mean(rates)
+    _, (chain, rates) = jax.lax.scan(thinned, state, keys)
+    return chain[warm_up:], jnp.mean(rates[warm_up:])

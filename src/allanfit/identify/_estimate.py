@@ -14,7 +14,7 @@ from ._ensemble import ensemble
 from ._goodness import goodness_of_fit, score
 from ._least_squares import LeastSquares, least_squares
 from ._posterior import Target, coordinates, log_posterior, starting_points
-from ._ramp import draw_ramps, ramp_posterior
+from ._ramp import RampData, draw_ramps, ramp_data, ramp_posterior
 
 # Twice the log-likelihood that a term must add to count as seen: 2.5 % of records without the
 # term reach it, since half of them prefer the coefficient at zero.
@@ -22,6 +22,7 @@ RESOLVED_DEVIANCE = 3.84
 # A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
 RESOLVED_RAMP_P = 0.005
 
+_BINS_AT_A_TIME = 48
 _WALKERS = 32
 _BURN_IN = 300
 _DRAWS = 400
@@ -68,16 +69,24 @@ def as_design_dtype(design: Design, dtype) -> Design:
 
 
 def target(found: Statistics, design: Design) -> Target:
-    """The spectrum that the coefficients are fitted to, normalised to a level near one."""
+    """The spectrum that the coefficients are fitted to, normalised to a level near one.
+
+    Bins of no weight fill it up to a round number of them, so that records of many lengths share
+    one compilation of what follows, which takes the longest to compile.
+    """
     level = jax.lax.stop_gradient(jnp.median(found.density))
-    expected, shape = jnp.asarray(design.density), jnp.asarray(design.ordinates) / 2
-    return Target(found.density / level, expected / level, shape)
+    padding = -len(design.ordinates) % _BINS_AT_A_TIME
+    return Target(
+        jnp.pad(found.density / level, (0, padding), constant_values=1),
+        jnp.pad(jnp.asarray(design.density) / level, ((0, padding), (0, 0)), constant_values=1),
+        jnp.pad(jnp.asarray(design.ordinates) / 2, (0, padding)),
+    )
 
 
-def solve(found: Statistics, design: Design) -> tuple[LeastSquares, Target]:
-    """The least-squares solution, and the normalised data it belongs to."""
-    data = target(found, design)
-    return least_squares(data.density, data.expected, data.shape), data
+@jax.jit
+def solve(data: Target) -> LeastSquares:
+    """The least-squares solution."""
+    return least_squares(data.density, data.expected, data.shape)
 
 
 def estimate(
@@ -86,34 +95,53 @@ def estimate(
     dt: float | Float[Array, ""],
     key: PRNGKeyArray,
 ) -> Estimate:
-    """Identify one sensor from the stretches of its record, sampled every `dt` seconds."""
-    dtype = stretches[0].dtype
-    design = as_design_dtype(design, dtype)
-    found = statistics(stretches, design)
-    solution, data = solve(found, design)
-    scale = unit_scale(jnp.asarray(dt, dtype))
+    """Identify one sensor from the stretches of its record, sampled every `dt` seconds.
 
+    In two steps, compiled apart: the first depends on the lengths of the stretches, the second
+    only on about how many bins they make.
+    """
+    found, data, ramp = _reduce(stretches, design)
+    dt = jnp.asarray(dt, stretches[0].dtype)
+    return Estimate(statistics=found, **_conclude(data, ramp, dt, key))
+
+
+@eqx.filter_jit
+def _reduce(
+    stretches: tuple[Float[Array, " _"], ...], design: Design
+) -> tuple[Statistics, Target, RampData]:
+    design = as_design_dtype(design, stretches[0].dtype)
+    found = statistics(stretches, design)
+    return found, target(found, design), ramp_data(found.odd_modes, design)
+
+
+@jax.jit
+def _conclude(
+    data: Target, ramp: RampData, dt: Float[Array, ""], key: PRNGKeyArray
+) -> dict[str, Array]:
+    """All of an `Estimate` but its statistics."""
+    solution, scale = solve(data), unit_scale(dt)
     power = jax.lax.stop_gradient(solution.power)
     powers, acceptance = _fast_posterior(key, *jax.lax.stop_gradient((solution.power, data)))
-    modes = jax.lax.stop_gradient(found.odd_modes)
-    ramps, ramp_p_value = draw_ramps(jax.random.fold_in(key, 1), modes, powers, design)
-    ramp, _ = ramp_posterior(found.odd_modes, solution.power, design)
+    ramp_key = jax.random.fold_in(key, 1)
+    ramps, ramp_p_value = draw_ramps(ramp_key, jax.lax.stop_gradient(ramp), powers)
+    slope, _ = ramp_posterior(ramp, solution.power)
     # A square root has no derivative at zero; a coefficient at zero stays there.
     positive = solution.power > 0
     coefficients = jnp.where(positive, jnp.sqrt(jnp.where(positive, solution.power, 1.0)), 0.0)
     fitted = jnp.sum(positive)
-    return Estimate(
-        statistics=found,
-        least_squares=jnp.append(coefficients, ramp) * scale,
-        draws=jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1) * scale,
-        deviance=solution.deviance,
-        deviance_rise=solution.deviance_without - solution.deviance,
-        ramp_p_value=ramp_p_value,
-        goodness_of_fit=goodness_of_fit(solution.deviance, data.shape, fitted.astype(dtype)),
-        quantization_score=score(power, data.density, data.expected, data.shape)[0],
-        converged=solution.converged,
-        acceptance=acceptance,
-    )
+    return {
+        "least_squares": jnp.append(coefficients, slope) * scale,
+        "draws": jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1) * scale,
+        "deviance": solution.deviance,
+        "deviance_rise": solution.deviance_without - solution.deviance,
+        "ramp_p_value": ramp_p_value,
+        "goodness_of_fit": goodness_of_fit(
+            solution.deviance, data.shape, fitted.astype(scale.dtype)
+        ),
+        "quantization_score": score(power, data.density, data.expected, data.shape)[0],
+        "converged": solution.converged,
+        "acceptance": acceptance,
+    }
 
 
 def _fast_posterior(

@@ -14,6 +14,8 @@ from ._estimate import Estimate, estimate
 
 _SHORTEST = 256
 _SHORTEST_STRETCH = 16
+# Beyond this a batch of spectra gains no more time, and costs memory.
+_SENSORS_AT_A_TIME = 16
 
 
 class Fit(eqx.Module):
@@ -137,7 +139,7 @@ def fit_series(
     _check_lengths(lengths)
     layout = design(lengths, sampling)
     pieces = tuple(series[start:stop] for start, stop in stretches)
-    found = _estimate_one(pieces, layout, 1 / rate_hz, jax.random.key(seed))
+    found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     return Fit(found, layout, rate_hz)
 
 
@@ -154,18 +156,23 @@ def fit_many(
     numbers as they are.
     """
     series = as_series(data, rate_hz)
-    if series.ndim != 2:
+    if series.ndim != 2 or not len(series):
         raise ValueError(f"data must have shape (sensors, samples); got {series.shape}")
     _check_lengths(series.shape[1:])
     layout = design(series.shape[1:], sampling)
-    keys = jax.vmap(jax.random.fold_in, (None, 0))(
-        jax.random.key(seed), jnp.arange(series.shape[0])
-    )
-    return Fit(_estimate_many((series,), layout, 1 / rate_hz, keys), layout, rate_hz)
+    sensors = series.shape[0]
+    keys = jax.vmap(jax.random.fold_in, (None, 0))(jax.random.key(seed), jnp.arange(sensors))
+    # The last group is filled up with its last sensor: one compilation serves any number of them.
+    groups = [
+        np.minimum(np.arange(start, start + _SENSORS_AT_A_TIME), sensors - 1)
+        for start in range(0, sensors, _SENSORS_AT_A_TIME)
+    ]
+    found = [_estimate_many((series[group],), layout, 1 / rate_hz, keys[group]) for group in groups]
+    whole = jax.tree.map(lambda *parts: jnp.concatenate(parts)[:sensors], *found)
+    return Fit(whole, layout, rate_hz)
 
 
-_estimate_one = eqx.filter_jit(estimate)
-_estimate_many = eqx.filter_jit(jax.vmap(estimate, in_axes=(0, None, None, 0)))
+_estimate_many = jax.vmap(estimate, in_axes=(0, None, None, 0))
 
 
 def _check_lengths(lengths: tuple[int, ...]) -> None:

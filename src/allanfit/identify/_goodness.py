@@ -17,8 +17,12 @@ def goodness_of_fit(
     2 a (ln a - psi(a)) and variance 4 a^2 (psi'(a) - 1/a) at shape a, cumulants of the Gamma
     distribution. The sum over bins is close to a scaled chi-square with the same two moments.
     """
-    mean = jnp.sum(2 * shape * (jnp.log(shape) - digamma(shape))) - fitted
-    variance = jnp.sum(4 * shape**2 * (polygamma(1, shape) - 1 / shape)) - 2 * fitted
+    used = shape > 0
+    shape = jnp.where(used, shape, 1.0)
+    means = 2 * shape * (jnp.log(shape) - digamma(shape))
+    variances = 4 * shape**2 * (polygamma(1, shape) - 1 / shape)
+    mean = jnp.sum(means, where=used) - fitted
+    variance = jnp.sum(variances, where=used) - 2 * fitted
     freedom = 2 * mean**2 / variance
     return gammaincc(freedom / 2, deviance * freedom / (2 * mean))
 

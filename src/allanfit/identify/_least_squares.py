@@ -93,16 +93,19 @@ def _envelopes(
     expected: Float[Array, "bins terms"],
     shape: Float[Array, " bins"],
 ) -> tuple[Powers, Powers]:
-    """About the largest value of each term that nowhere stands above the data, and that somewhere
-    meets it.
+    """About the largest value of each term that nowhere stands above the data, or somewhere not.
 
     Five bins together have enough degrees of freedom not to touch zero by chance.
     """
     kernel = jnp.ones(5, density.dtype)
     together = jax.vmap(lambda column: jnp.convolve(column, kernel, "valid"), 1, 1)
     weight = shape[:, None]
-    ratio = together(weight * density[:, None]) / together(weight * expected)
-    return jax.lax.stop_gradient((jnp.min(ratio, axis=0), jnp.max(ratio, axis=0)))
+    used = together(weight) > 0
+    below = jnp.where(used, together(weight * expected), 1.0)
+    ratio = together(weight * density[:, None]) / below
+    lowest = jnp.min(ratio, axis=0, where=used, initial=jnp.inf)
+    highest = jnp.max(ratio, axis=0, where=used, initial=0.0)
+    return jax.lax.stop_gradient((lowest, highest))
 
 
 def _search(

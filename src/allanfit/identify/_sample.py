@@ -9,13 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ..curves import Design, unit_scale
+from ..curves import unit_scale
 from ..physics import SYMBOLS
 from ._diagnostics import effective_sample_size, r_hat
-from ._estimate import as_design_dtype, solve
+from ._estimate import as_design_dtype, solve, target
 from ._fit import Fit
 from ._posterior import Coordinates, coordinates, log_posterior, starting_points
-from ._ramp import draw_ramps
+from ._ramp import RampData, draw_ramps, ramp_data
 
 _WALKERS = 32
 _BURN_IN = 500
@@ -70,7 +70,6 @@ class Posterior:
 
 
 # Compiled once for all channels of a recording: what differs between them are arguments.
-_solve = jax.jit(solve)
 _log_posteriors = jax.jit(jax.vmap(log_posterior, (0, None, None)))
 
 
@@ -79,12 +78,11 @@ def _with_ramps(
     key: PRNGKeyArray,
     positions: Float[Array, "draws noise_terms"],
     space: Coordinates,
-    odd_modes: Float[Array, "stretches modes"],
-    design: Design,
+    ramp: RampData,
 ) -> Float[Array, "draws terms"]:
     """Coefficients for dt = 1 at a sampler's positions, with a ramp drawn for each."""
     powers = jax.vmap(space.power)(positions)
-    ramps, _ = draw_ramps(key, odd_modes, powers, design)
+    ramps, _ = draw_ramps(key, ramp, powers)
     return jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1)
 
 
@@ -104,7 +102,9 @@ def sample(
     - `progress`: show a progress bar.
     """
     design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
-    solution, data = _solve(fit.estimate.statistics, design)
+    data = target(fit.estimate.statistics, design)
+    solution = solve(data)
+    ramp = ramp_data(fit.estimate.statistics.odd_modes, design)
     space = coordinates(data, solution.power)
     start_key, ramp_key = jax.random.split(jax.random.key(seed))
     start = starting_points(start_key, solution.power, space, _WALKERS)
@@ -127,7 +127,7 @@ def sample(
         chain = np.asarray(sampler.get_chain())[-_ROUND:]
         flat = jnp.asarray(chain.reshape(-1, start.shape[1]), start.dtype)
         key = jax.random.fold_in(ramp_key, index)
-        coefficients = _with_ramps(key, flat, space, fit.estimate.statistics.odd_modes, design)
+        coefficients = _with_ramps(key, flat, space, ramp)
         rounds.append(np.asarray(coefficients).reshape(*chain.shape[:2], -1) * scale)
         draws = np.concatenate(rounds).swapaxes(0, 1)
         posterior = Posterior(

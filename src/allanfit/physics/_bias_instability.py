@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import digamma, zeta
-from jaxtyping import Array, Float, PRNGKeyArray
+from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from ._stationary import sample_from_autocovariance
 from ._term import AbstractNoiseTerm, Names, Sampling
@@ -61,7 +61,9 @@ class BiasInstability(AbstractNoiseTerm):
             increments = _averaged_increment_autocovariance(lag)
         return self.coefficient * jnp.cumsum(sample_from_autocovariance(key, increments))
 
-    def low_mode_ratio(self, order: Float[Array, "*shape"], samples: int) -> Float[Array, "*shape"]:
+    def low_mode_ratio(
+        self, order: Float[Array, "*shape"], samples: int | Int[Array, ""]
+    ) -> Float[Array, "*shape"]:
         """(2/pi) (Si(pi j) - (1 - (-1)^j)/(pi j)): what the finite record does to 1/f.
 
         The expectation of the squared cosine coefficient under the generalised covariance

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, PRNGKeyArray
+from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from ._term import AbstractNoiseTerm, Names, Sampling
 
@@ -34,7 +34,9 @@ class QuantizationNoise(AbstractNoiseTerm):
         """3 Q^2/tau^2 [u^2]."""
         return 3 * self.coefficient**2 / (cluster_size * dt) ** 2
 
-    def low_mode_ratio(self, order: Float[Array, "*shape"], samples: int) -> Float[Array, "*shape"]:
+    def low_mode_ratio(
+        self, order: Float[Array, "*shape"], samples: int | Int[Array, ""]
+    ) -> Float[Array, "*shape"]:
         """1 + cot^2(pi j/(2 N))/N: the first and last angle errors cancel with no neighbour.
 
         The sum of squares of the angle errors' weights in the cosine coefficient.

@@ -22,7 +22,7 @@ from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float, PRNGKeyArray
+from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 Sampling = Literal["point", "averaged"]
 
@@ -65,7 +65,9 @@ class AbstractNoiseTerm(eqx.Module):
     ) -> Float[Array, " samples"]:
         """Draw a realisation, exact in law up to an additive constant."""
 
-    def low_mode_ratio(self, order: Float[Array, "*shape"], samples: int) -> Float[Array, "*shape"]:
+    def low_mode_ratio(
+        self, order: Float[Array, "*shape"], samples: int | Int[Array, ""]
+    ) -> Float[Array, "*shape"]:
         """Expected mirror-spectrum ordinate over the density at its frequency.
 
         `order` counts half cycles over the record of `samples`. The mirror spectrum is unbiased
