@@ -7,6 +7,7 @@ import re
 import jax
 import numpy as np
 import pytest
+from scipy.signal import fftconvolve
 
 import allanfit
 from allanfit.cli import main
@@ -35,12 +36,10 @@ def test_a_long_record_counts_every_ordinate():
 
 
 def test_white_noise_alone():
-    # Known to be alone, n samples tell N to 1/sqrt(2 n). A free Q, whose density over that of
-    # white noise is g = 4 sin^2 with means E g = 2 and E g^2 = 6, makes the variance
-    # 1/(1 - 4/6) = 3 times that; absent but sought, the mean of 1 and 3. The bins are 15 % wide,
-    # which takes a little, and B and K take less.
+    # n samples tell white noise to 1/sqrt(2 n), quantization noise taken for absent; B and K, which
+    # are sought in every record, take next to nothing from it in so long a one.
     samples = 10**8
-    expected = math.sqrt((1 + 3) / 2) / math.sqrt(2 * samples)
+    expected = 1 / math.sqrt(2 * samples)
     assert relative_errors({"N": 5e-3}, 50.0, samples, "point")["N"] == pytest.approx(
         expected, rel=0.02
     )
@@ -59,15 +58,20 @@ def test_ramp_against_white_noise_and_against_a_walk(samples):
 
 
 def test_simulated_records_scatter_as_planned():
-    # A walk in white noise, both drawn by NumPy; Q and B are absent and sought all the same.
+    # White noise, its differences, its sums and its half sums (Kasdin 1995), drawn by NumPy.
     rate_hz, records = 10.0, 300
-    coefficients = {"N": 5e-3, "K": 4e-3}
+    coefficients = {"Q": 1.5e-3, "N": 5e-3, "B": 1.5e-2, "K": 1e-2}
     planned = allanfit.plan(coefficients, rate_hz, {"K": 0.14})
     assert planned.duration_s is not None
     samples = round(planned.duration_s * rate_hz)
     normal = np.random.default_rng(5).standard_normal
-    walk = np.cumsum(4e-3 / math.sqrt(rate_hz) * normal((records, samples)), axis=1)
-    data = 5e-3 * math.sqrt(rate_hz) * normal((records, samples)) + walk
+    data = 5e-3 * math.sqrt(rate_hz) * normal((records, samples))
+    data += np.cumsum(1e-2 / math.sqrt(rate_hz) * normal((records, samples)), axis=1)
+    data += 1.5e-3 * rate_hz * np.diff(normal((records, samples + 1)), axis=1)
+    order = np.arange(1, 4 * samples)
+    half_sum = np.cumprod(np.append(1.0, (order - 0.5) / order))
+    flicker = fftconvolve(normal((records, 4 * samples)), half_sum[None], axes=1)
+    data += 1.5e-2 * flicker[:, 3 * samples : 4 * samples]
     layout = design((samples,))
 
     def power(x):

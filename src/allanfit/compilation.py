@@ -5,11 +5,12 @@ this.
 """
 
 import os
+import warnings
 from pathlib import Path
 
 import jax
 
-# A fit's programs take less than a megabyte; lengths and numbers of channels add to them.
+# The programs of one fit take less than a megabyte; every new length adds a part of that.
 _MOST_BYTES = 256 * 2**20
 
 
@@ -18,16 +19,28 @@ def shorten_compilation(folder: Path) -> None:
 
     The optimisations left out take as long as the rest of compiling and gain nothing here. What
     the user set in XLA_FLAGS or JAX_COMPILATION_CACHE_DIR stays; a folder that cannot be written
-    is not used.
+    is not used, and a program that cannot be read back is compiled again.
     """
     os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=1")
     if jax.config.jax_compilation_cache_dir is not None:  # pyright: ignore[reportAttributeAccessIssue]
         return
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        _forget_oldest(folder)
     except OSError:
         return
     if os.access(folder, os.W_OK):
+        warnings.filterwarnings("ignore", message="Error .* persistent compilation cache")
         jax.config.update("jax_compilation_cache_dir", str(folder))
-        jax.config.update("jax_compilation_cache_max_size", _MOST_BYTES)
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+
+def _forget_oldest(folder: Path) -> None:
+    # JAX's own bound needs a second file for each program, and fails for want of one when a
+    # process was stopped between the two.
+    files = sorted(folder.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
+    total = 0
+    for path in files:
+        total += path.stat().st_size
+        if total > _MOST_BYTES:
+            path.unlink(missing_ok=True)

@@ -1,5 +1,6 @@
 """Variances of means and their differences: against spectra, covariances and the Allan variance."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -14,10 +15,10 @@ STARTS, LENGTHS, WEIGHTS = (0.0, 7.0, 15.0), (5.0, 8.0, 6.0), (0.5, 0.5, -1.0)
 def test_neighbouring_means_differ_by_twice_the_allan_variance(symbol):
     # Q apart: separate recordings share no rounding error at a seam, so 4 of the 6 parts are left.
     length = 40.0
-    found = white_weights((length, length), (1, -1))
-    found = found + drift_weights((0, length), (length, length), (1, -1))
+    found = white_weights((length, length), (1.0, -1.0))
+    found = found + drift_weights((0.0, length), (length, length), (1.0, -1.0))
     model = standard_model({symbol: 1.0})
-    expected = 2 * float(model.allan_variance(np.array(4000.0), 0.01, "averaged"))
+    expected = 2 * float(model.allan_variance(jnp.asarray(4000.0), 0.01, "averaged"))
     expected *= 4 / 6 if symbol == "Q" else 1
     assert found[SYMBOLS.index(symbol)] == pytest.approx(expected, rel=1e-6)
 

@@ -6,7 +6,7 @@ import pytest
 import allanfit
 from allanfit.curves import read_slopes, slope_reading
 
-TAU = 0.01 * 2.0 ** np.arange(18)  # a point lies at no time that a standard reads at
+TAU = 0.01 * 2.0 ** np.arange(25)  # a point lies at no time that a standard reads at
 # IEEE Std 952-1997, annex C: Allan variances of the five terms.
 VARIANCES = {
     "Q": lambda c, tau: 3 * c**2 / tau**2,
