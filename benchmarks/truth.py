@@ -58,7 +58,7 @@ SCENARIOS = {
 }  # fmt: skip
 QUICK = ("consumer gyro, 10 min", "white noise only, 10 min")
 LEVELS = (0.68, 0.9, 0.95)
-_BLOCK = 20
+_BLOCK = 16
 
 
 def bound(samples, rate_hz, coefficients, sampling, known="QNBK"):
@@ -115,7 +115,7 @@ def run(scenario, records, folder, progress):
         with np.load(file) as stored:
             blocks.append(dict(stored))
         progress(completed=first + _BLOCK)
-    return {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
+    return {key: np.concatenate([block[key] for block in blocks])[:records] for key in blocks[0]}
 
 
 def _table(values):

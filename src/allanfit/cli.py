@@ -4,6 +4,7 @@ Exit status: 0 done, 1 the analysis could not be done (one line on stderr says w
 usage. Data goes to stdout, messages to stderr, progress only to a terminal.
 """
 
+import logging
 import os
 import sys
 from collections.abc import Sequence
@@ -390,6 +391,8 @@ def _progress() -> Progress:
 def _configure_jax() -> None:
     """Float64, and a bounded cache of compiled code, in a process that is ours."""
     jax.config.update("jax_enable_x64", True)
+    # Which of its fonts a machine lacks is no matter of the user's.
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     shorten_compilation(user_cache_path("allanfit") / "compiled")
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "allanfit"
     if "JAX_COMPILATION_CACHE_DIR" not in os.environ:

@@ -175,6 +175,7 @@ def make_document() -> dict[str, Any]:
         si_unit="rad/s",
     )
     gyro["slope_reading"] = {"Q": None, "N": 5.1e-3, "B": 1.63e-3, "K": 1.42e-4, "R": None}
+    gyro["advice"] = ["To halve the interval of K record 6.2 h more (7.2 h in all)."]
     gyro["influence"] = make_influence("NBK", 3600.0, 13)
     gyro["findings"] = ["The code width is 0.8 of the noise; see `output_rounding`."]
     accelerometer = make_channel(

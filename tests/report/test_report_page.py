@@ -59,6 +59,7 @@ def test_the_page_is_whole(source):
         "Dark bars under a triangle stand out",
         "the five terms agree with both curves (p = 0.41)",
         "R-hat at most 1.007",
+        "record 6.2 h more (7.2 h in all)",
         "The fit did not converge: the least squares stopped after 200 steps",
         "The code width is 0.8 of the noise; see `output_rounding`.",
         "allanfit 0.1.0, checksum sha256:3f1c9a",

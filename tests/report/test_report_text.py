@@ -20,6 +20,7 @@ gyro_x [deg/s]
            least 1730, acceptance 0.43: converged
   slopes   N 0.0051, B 0.00163, K 1.42e-4: the classical reading of the curve,
            biased
+  longer   To halve the interval of K record 6.2 h more (7.2 h in all).
   - The code width is 0.8 of the noise; see `output_rounding`.
 """
 
@@ -70,6 +71,12 @@ def test_what_is_undefined_is_said(document):
     assert "the goodness of fit could not be judged" in text
     assert "no limit deg/s*s" in text
     assert "     resolved      " in text
+
+
+def test_advice_is_given_where_there_is_any(document):
+    text = format_text(document)
+    assert "  longer   To halve the interval of K record 6.2 h more (7.2 h in all).\n" in text
+    assert text.count("  longer ") == 1
 
 
 def test_the_text_names_file_findings_version_and_checksum(document):

@@ -8,6 +8,9 @@ from ..physics import STANDARD_TERMS, SYMBOLS, coefficient_unit
 from ._fit import Fit
 from ._influence import EXPONENTS, Influence, change
 
+# Relative change of a coefficient that is worth a sentence.
+_MATTERS = 0.05
+
 
 def influence_document(found: Influence, fit: Fit) -> dict[str, Any]:
     """The `influence` of the fit JSON: shares of the resolved terms, their sum being one."""
@@ -23,8 +26,8 @@ def influence_document(found: Influence, fit: Fit) -> dict[str, Any]:
 def influence_findings(found: Influence, fit: Fit, unit: str, factor: float) -> list[str]:
     """One sentence a term: the stretch that stands out and moves the coefficient the furthest.
 
-    A stretch that stands out is passed over where the coefficient without it stays within the
-    68 % interval: it is no reason to trust the number less.
+    A stretch that stands out is passed over where the coefficient without it stays within its
+    68 % interval or changes by less than a twentieth: nobody would do anything about it.
     """
     rows = _resolved_rows(fit)
     sentences = (_sentence(found, fit, row, unit, factor) for row in rows.values())
@@ -40,7 +43,7 @@ def _sentence(found: Influence, fit: Fit, row: int, unit: str, factor: float) ->
         share = float(np.sum(found.share[row, first:stop]))
         expected = float(np.sum(found.expected[row, first:stop]))
         without = value * float(change(share, expected, EXPONENTS[row]))
-        if not low <= without <= high:
+        if not low <= without <= high and abs(without / value - 1) > _MATTERS:
             candidates.append((abs(without - value), first, stop, share, expected, without))
     if not candidates:
         return ""
@@ -50,7 +53,7 @@ def _sentence(found: Influence, fit: Fit, row: int, unit: str, factor: float) ->
     return (
         f"{span} {_contribution(share, term.symbol)} ({_percent(expected)} expected): without them "
         f"{term.symbol} would be about {_number(without, coefficient_unit(term, unit))} "
-        f"(predicted), not {value:.2g}.{others}"
+        f"(predicted), not {value:.3g}.{others}"
     )
 
 
@@ -73,7 +76,7 @@ def _span(start: float, stop: float) -> str:
 
 
 def _number(value: float, unit: str) -> str:
-    return f"{value:.2g} {unit}".rstrip()
+    return f"{value:.3g} {unit}".rstrip()
 
 
 def _runs(marked: np.ndarray) -> list[tuple[int, int]]:

@@ -9,6 +9,7 @@ from ._errors import report_extra
 from ._figures import svg
 from ._files import write_whole
 from ._rows import (
+    advice_sentence,
     coefficient_rows,
     description,
     fit_sentence,
@@ -57,6 +58,7 @@ def _page(document: Mapping[str, Any]) -> str:
             "consistent": channel["goodness_of_fit"]["consistent"],
             "fit": fit_sentence(channel),
             "sampler": sampler_sentence(channel),
+            "advice": advice_sentence(channel),
             "warning": warning_sentence(channel),
             "findings": channel["findings"],
             # Drawn by us, every user's string in it escaped by matplotlib.

@@ -190,6 +190,11 @@ def sampler_sentence(channel: Mapping[str, Any]) -> str:
     return f"{', '.join(parts)}: {verdict}"
 
 
+def advice_sentence(channel: Mapping[str, Any]) -> str:
+    """How much longer to record for narrower intervals, "" where all are narrow."""
+    return " ".join(channel.get("advice") or ())
+
+
 def warning_sentence(channel: Mapping[str, Any]) -> str:
     """The sentence of a fit that did not converge, "" for one that did."""
     return "" if channel["status"] == "converged" else channel["status"]

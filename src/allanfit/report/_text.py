@@ -7,6 +7,7 @@ from typing import Any
 from ._format import Reading, printable
 from ._rows import (
     Row,
+    advice_sentence,
     coefficient_rows,
     description,
     fit_sentence,
@@ -50,6 +51,7 @@ def _channel_lines(channel: Mapping[str, Any]) -> list[str]:
         "fit": fit_sentence(channel),
         "sampler": sampler_sentence(channel),
         "slopes": slope_sentence(channel),
+        "longer": advice_sentence(channel),
         "warning": warning_sentence(channel),
     }
     return [
