@@ -8,6 +8,8 @@ from typing import Any
 
 from .physics import SYMBOLS, Sampling
 
+_INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
+
 
 class CoefficientsError(ValueError):
     """A coefficients file cannot be used; one sentence says why and what to do."""
@@ -40,7 +42,10 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
     path = Path(path)
     document = _parse(path)
     if "channels" in document:
-        found = [_from_fit(entry, path) for entry in document["channels"]]
+        entries = document["channels"]
+        if not isinstance(entries, list) or not entries:
+            raise CoefficientsError(_INCOMPLETE.format(path.name))
+        found = [_from_fit(entry, path) for entry in entries]
     else:
         found = [_from_mapping(document, path)]
     names = [entry.channel for entry in found]
@@ -87,9 +92,7 @@ def _from_fit(entry: Any, path: Path) -> Coefficients:
             float(entry.get("mean", 0.0)),
         )
     except (KeyError, TypeError) as error:
-        raise CoefficientsError(
-            f"{path.name} is not a complete fit JSON; write it again with allanfit fit --json."
-        ) from error
+        raise CoefficientsError(_INCOMPLETE.format(path.name)) from error
 
 
 def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
@@ -108,10 +111,17 @@ def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
 
 
 def _checked(values: Mapping[str, Any], path: Path) -> dict[str, float]:
-    for symbol, value in values.items():
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not (number and math.isfinite(value) and value >= 0):
-            raise CoefficientsError(
-                f"{symbol} in {path.name} must be a number, zero or more; got {value!r}."
-            )
-    return {symbol: float(value) for symbol, value in values.items()}
+    return {symbol: _number(symbol, value, path) for symbol, value in values.items()}
+
+
+def _number(symbol: str, value: Any, path: Path) -> float:
+    try:
+        # YAML takes 5e-3, without a point, for text.
+        number = math.nan if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not (math.isfinite(number) and number >= 0):
+        raise CoefficientsError(
+            f"{symbol} in {path.name} must be a number, zero or more; got {value!r}."
+        )
+    return number

@@ -44,7 +44,7 @@ def test_json_to_stdout_is_json_alone(recording, capsys):
 @pytest.mark.parametrize("ending", ["npz", "npy", "csv"])
 def test_simulate_then_load_gives_the_same_samples(tmp_path, ending):
     coefficients = tmp_path / "c.yaml"
-    coefficients.write_text("unit: deg/s\nN: 0.01\nR: 1.0e-4\n")
+    coefficients.write_text("unit: deg/s\nN: 1e-2\nR: 1.0e-4\n")
     output = tmp_path / f"sim.{ending}"
     arguments = ["simulate", str(coefficients), "--duration", "10", "--rate", "50"]
     assert main([*arguments, "--seed", "2", "--output", str(output)]) == 0
@@ -100,6 +100,7 @@ def test_bad_input_is_one_line_and_leaves_no_file(content, arguments, message, t
         ("n: 1\n", "names 'n'"),
         ("unit: deg/s\n", "none of the coefficients"),
         ("- 1\n", "holds no coefficients"),
+        ('{"channels": 3}', "not a complete fit"),
         ("{unclosed", "neither JSON nor YAML"),
         ('{"channels": [{}]}', "not a complete fit JSON"),
         ("N: 1\nsampling: often\n", "point or averaged"),
