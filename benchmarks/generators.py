@@ -1,7 +1,10 @@
 """Noise in the time domain, by other means than the library's own sampler."""
 
+from functools import lru_cache
+
 import numpy as np
-from scipy.signal import fftconvolve, lfilter
+from scipy.fft import irfft, next_fast_len, rfft
+from scipy.signal import lfilter
 
 
 def white(rng, samples, coefficient, dt, averaged):
@@ -17,10 +20,16 @@ def quantization(rng, samples, coefficient, dt, averaged):
 def flicker_by_fractional_filter(rng, samples, coefficient, dt, averaged):
     """White noise through (1 - z^-1)^(-1/2), four records long so that its start is forgotten."""
     count = 4 * samples
+    size = next_fast_len(2 * count, real=True)
+    drawn = rfft(rng.standard_normal(count), size)
+    return coefficient * irfft(drawn * _half_sum(count, size), size)[3 * samples : count]
+
+
+@lru_cache(maxsize=1)
+def _half_sum(count, size):
+    """Transfer function of the fractional filter, cut off after `count` samples."""
     ratio = (np.arange(1, count) - 0.5) / np.arange(1, count)
-    response = np.concatenate([[1.0], np.cumprod(ratio)])
-    drawn = rng.standard_normal(count)
-    return coefficient * fftconvolve(drawn, response)[3 * samples : count]
+    return rfft(np.concatenate([[1.0], np.cumprod(ratio)]), size)
 
 
 def flicker_by_relaxations(rng, samples, coefficient, dt, averaged):

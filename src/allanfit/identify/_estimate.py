@@ -25,8 +25,8 @@ RESOLVED_RAMP_P = 0.005
 _BINS_AT_A_TIME = 48
 _WALKERS = 32
 _BURN_IN = 300
-_DRAWS = 400
-_THIN = 3
+_DRAWS = 100
+_THIN = 12
 
 
 class Estimate(eqx.Module):
