@@ -100,18 +100,27 @@ def estimate(
     In two steps, compiled apart: the first depends on the lengths of the stretches, the second
     only on about how many bins they make.
     """
-    found, data, ramp = _reduce(stretches, design)
-    dt = jnp.asarray(dt, stretches[0].dtype)
-    return Estimate(statistics=found, **_conclude(data, ramp, dt, key))
+    return estimate_from(_reduce(stretches, design), design, dt, key)
+
+
+def estimate_from(
+    found: Statistics, design: Design, dt: float | Float[Array, ""], key: PRNGKeyArray
+) -> Estimate:
+    """Identify one sensor from what its record left behind."""
+    dtype = found.density.dtype
+    data, ramp = _prepare(found, design)
+    return Estimate(statistics=found, **_conclude(data, ramp, jnp.asarray(dt, dtype), key))
 
 
 @eqx.filter_jit
-def _reduce(
-    stretches: tuple[Float[Array, " _"], ...], design: Design
-) -> tuple[Statistics, Target, RampData]:
-    design = as_design_dtype(design, stretches[0].dtype)
-    found = statistics(stretches, design)
-    return found, target(found, design), ramp_data(found.odd_modes, design)
+def _reduce(stretches: tuple[Float[Array, " _"], ...], design: Design) -> Statistics:
+    return statistics(stretches, as_design_dtype(design, stretches[0].dtype))
+
+
+@eqx.filter_jit
+def _prepare(found: Statistics, design: Design) -> tuple[Target, RampData]:
+    design = as_design_dtype(design, found.density.dtype)
+    return target(found, design), ramp_data(found.odd_modes, design)
 
 
 @jax.jit

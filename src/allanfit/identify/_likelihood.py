@@ -21,7 +21,8 @@ def log_likelihood(
 
     In this form it is small near its maximum, so that float32 keeps its differences.
     """
-    return -jnp.sum(deviance_residuals(power, density, expected, shape) ** 2) / 2
+    excess = density / (expected @ power) - 1
+    return -jnp.sum(shape * (excess - jnp.log1p(excess)))
 
 
 def deviance_residuals(
@@ -53,5 +54,7 @@ def fisher_information(
     power: Powers, expected: Float[Array, "bins terms"], shape: Float[Array, " bins"]
 ) -> Float[Array, "terms terms"]:
     """Information on the powers: sum over bins of shape dm dm'/m^2."""
-    relative = expected / (expected @ power)[:, None]
-    return relative.T @ (shape[:, None] * relative)
+    # One product of a vector and a matrix that stays the same while powers change.
+    pairs = (expected[:, :, None] * expected[:, None, :]).reshape(len(shape), -1)
+    weight = shape / (expected @ power) ** 2
+    return (weight @ pairs).reshape(len(power), len(power))

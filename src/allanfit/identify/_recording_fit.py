@@ -13,6 +13,14 @@ from jaxtyping import Array, Float
 from ..curves import octaves, read_slopes
 from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
 from ..recording import Channel, Recording
+from ..temperature import (
+    ChannelTemperature,
+    Treatment,
+    beside,
+    effect_beside,
+    sentences,
+    temperature_document,
+)
 from ._curves_document import curves_document
 from ._fit import Fit, fit_series
 from ._influence import Influence, influence
@@ -37,6 +45,9 @@ class ChannelFit:
     fit: Fit
     posterior: Posterior | None
     influence: Influence | None = None
+    temperature: ChannelTemperature | None = None
+    remarks: tuple[str, ...] = ()
+    """What else is to be said, such as why the effect of temperature is not known."""
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -63,6 +74,11 @@ class ChannelFit:
             found += influence_findings(
                 self.influence, self.fit, self.channel.unit, self.channel.factor
             )
+        found += self.remarks
+        if self.temperature is not None and (
+            self.temperature.claimed or self.temperature.confounded
+        ):
+            found += sentences(self.temperature, self.channel, *self._both())
         return tuple(found)
 
     @property
@@ -100,7 +116,7 @@ class ChannelFit:
             "sampling": result.design.sampling,
             "mean": float(np.mean(_usable(channel))) / factor,
             "status": "converged" if bool(result.converged) else "the fit did not converge",
-            "coefficients": self._coefficients(),
+            "coefficients": _coefficients(result, channel),
             "goodness_of_fit": {
                 "p_value": _number(result.goodness_of_fit),
                 "consistent": bool(result.goodness_of_fit >= _MISFIT),
@@ -111,6 +127,9 @@ class ChannelFit:
             "influence": None
             if self.influence is None
             else influence_document(self.influence, result),
+            "temperature": None
+            if self.temperature is None
+            else temperature_document(self.temperature, channel, *self._both()),
             "findings": list(self.findings),
             "advice": list(self.advice),
         }
@@ -125,27 +144,15 @@ class ChannelFit:
         reading = read_slopes(tau_s, deviation / self.channel.factor)
         return {symbol: _number(value) for symbol, value in reading.items()}
 
-    def _coefficients(self) -> dict[str, Any]:
-        result, factor = self.fit, self.channel.factor
-        values, limits, resolved = result.coefficients, result.upper_limits, result.resolved
-        intervals = {"0.68": result.interval(0.68), "0.95": result.interval(0.95)}
-        document = {}
-        for term in STANDARD_TERMS:
-            symbol = term.symbol
-            seen = bool(resolved[symbol])
-            document[symbol] = {
-                "name": _name(term.names, self.channel.kind),
-                "unit": coefficient_unit(term, self.channel.unit),
-                "value": _number(values[symbol] / factor),
-                "least_squares": _number(result.least_squares[symbol] / factor),
-                "resolved": seen,
-                "upper_limit_95": None if seen else _number(limits[symbol] / factor),
-                "intervals": {
-                    level: [_number(end / factor) for end in interval[symbol]]
-                    for level, interval in intervals.items()
-                },
-            }
-        return document
+    def _both(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The coefficients with the effect of temperature in the data, and without it."""
+        if self.temperature is None:
+            raise ValueError(f"there is no temperature beside {self.channel.name}")
+        # The main fit has the better draws of the two.
+        kept, removed = self.fit, self.temperature.effect.removed
+        if self.temperature.removed:
+            kept, removed = self.temperature.plain, self.fit
+        return _coefficients(kept, self.channel), _coefficients(removed, self.channel)
 
 
 @dataclass(frozen=True)
@@ -176,6 +183,7 @@ def fit_recording(
     *,
     posterior: bool = True,
     sampling: Sampling = "point",
+    temperature: Treatment = "show",
     seed: int = 0,
     announce: Callable[[str], None] = lambda channel: None,
     done: Callable[[], None] = lambda: None,
@@ -187,6 +195,9 @@ def fit_recording(
     - `recording`: from `allanfit.load`.
     - `posterior`: sample with emcee and report its diagnostics; otherwise intervals come from
       the posterior that `fit` samples in JAX, the same to within a few per cent of their width.
+    - `temperature`: what to do with a temperature in the recording. "show" estimates its effect
+      and keeps the coefficients of the samples as they are, which is what a filter meets that
+      does not compensate; "remove" gives those with the effect taken out; "ignore" does neither.
     - `announce`, `done`: called with each channel's name before its fit, and after it.
     """
     fits = []
@@ -199,11 +210,22 @@ def fit_recording(
             seed=seed,
             stretches=channel.stretches,
         )
+        found, remarks, samples = None, (), channel.samples
+        thermometer = None if temperature == "ignore" else beside(channel, recording)
+        if thermometer is not None and bool(result.converged):
+            try:
+                found = effect_beside(channel, thermometer, result, temperature == "remove", seed)
+            except ValueError as error:
+                remarks = (f"The effect of temperature is not known: {error}.",)
+        if found is not None and found.removed:
+            result = found.effect.removed
+            samples = samples - np.asarray(found.effect.drift, float)
         drawn = None
         if posterior and bool(result.converged):
             drawn = sample(result, seed=seed)
             result = result.with_draws(drawn.draws.reshape(-1, len(STANDARD_TERMS)))
-        fits.append(ChannelFit(channel, result, drawn, _influence(channel, result)))
+        pieces = _influence(samples, channel.stretches, result)
+        fits.append(ChannelFit(channel, result, drawn, pieces, found, remarks))
         done()
     return RecordingFit(recording, tuple(fits))
 
@@ -242,11 +264,37 @@ def series_document(result: Fit, name: str, unit: str) -> dict[str, Any]:
     return RecordingFit(recording, (ChannelFit(channel, result, None),)).to_dict()
 
 
-def _influence(channel: Channel, result: Fit) -> Influence | None:
+def _coefficients(result: Fit, channel: Channel) -> dict[str, Any]:
+    """The `coefficients` of the fit JSON, in the unit that the user gave."""
+    factor = channel.factor
+    values, limits, resolved = result.coefficients, result.upper_limits, result.resolved
+    intervals = {"0.68": result.interval(0.68), "0.95": result.interval(0.95)}
+    document = {}
+    for term in STANDARD_TERMS:
+        symbol = term.symbol
+        seen = bool(resolved[symbol])
+        document[symbol] = {
+            "name": _name(term.names, channel.kind),
+            "unit": coefficient_unit(term, channel.unit),
+            "value": _number(values[symbol] / factor),
+            "least_squares": _number(result.least_squares[symbol] / factor),
+            "resolved": seen,
+            "upper_limit_95": None if seen else _number(limits[symbol] / factor),
+            "intervals": {
+                level: [_number(end / factor) for end in interval[symbol]]
+                for level, interval in intervals.items()
+            },
+        }
+    return document
+
+
+def _influence(
+    samples: np.ndarray, stretches: tuple[tuple[int, int], ...], result: Fit
+) -> Influence | None:
     if not bool(result.converged):
         return None
     pieces = min(_PIECES, sum(result.design.lengths) // _SAMPLES_A_PIECE)
-    return influence(result, channel.samples, channel.stretches, pieces=pieces)
+    return influence(result, samples, stretches, pieces=pieces)
 
 
 def _usable(channel: Channel) -> np.ndarray:
