@@ -46,6 +46,13 @@ SCENARIOS = {
         600, 50, {"Q": 3e-4, "N": 1e-3, "B": 9e-4, "K": 2e-4}, {},
     ),
     "old MEMS gyro, large Q, 1 h": (3600, 50, {"Q": 3e-4, "N": 1e-3, "B": 6e-4, "K": 8e-5}, {}),
+    # Q as large as the gyro of docs/paper.md has it, with N at the limit of what shows, and below.
+    "very large Q, N at its limit, 10 min": (
+        600, 50, {"Q": 6.3e-3, "N": 9e-4, "B": 8.2e-4, "K": 2.1e-4}, {},
+    ),
+    "very large Q, N far below, 10 min": (
+        600, 50, {"Q": 6.3e-3, "N": 1.2e-4, "B": 8.2e-4, "K": 2.1e-4}, {},
+    ),
     "consumer accelerometer, 1 h": (3600, 50, {"N": 1e-3, "B": 4e-4, "K": 3e-5}, {}),
     "geophysical accelerometer, averaging, 3 h": (
         10800, 20, {"N": 1e-7, "B": 2e-8, "K": 1.5e-9}, {"averaged": True},

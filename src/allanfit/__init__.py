@@ -19,5 +19,7 @@ from .recording import Recording as Recording
 from .recording import RecordingError as RecordingError
 from .recording import load as load
 from .simulate import simulate as simulate
+from .temperature import TemperatureEffect as TemperatureEffect
+from .temperature import temperature_sensitivity as temperature_sensitivity
 
 __version__ = _version("allanfit")

@@ -87,6 +87,13 @@ def fit(
         bool, typer.Option(help="Sample with emcee and report whether it has settled.")
     ] = True,
     sampling: Sampling = "point",
+    temperature: Annotated[
+        Literal["show", "remove", "ignore"],
+        typer.Option(
+            help="With a temperature in the recording: estimate its effect, also take it out of "
+            "the coefficients, or leave it alone."
+        ),
+    ] = "show",
     seed: Seed = 0,
 ) -> None:
     """Identify Q, N, B, K and R of each channel, with intervals.
@@ -105,7 +112,13 @@ def fit(
             progress.advance(task)
 
         result = fit_recording(
-            found, posterior=posterior, sampling=sampling, seed=seed, announce=announce, done=done
+            found,
+            posterior=posterior,
+            sampling=sampling,
+            temperature=temperature,
+            seed=seed,
+            announce=announce,
+            done=done,
         )
     _deliver(result, json, report)
 

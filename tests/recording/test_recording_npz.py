@@ -59,7 +59,7 @@ def test_an_archive_with_all_that_the_format_knows(archive, noise):
     assert channel.factor == pytest.approx(np.pi / 180)
     np.testing.assert_allclose(channel.samples / channel.factor, noise[:, 0].astype(np.float32))
     assert [(aux.name, aux.unit, aux.kind) for aux in recording.auxiliary] == [
-        ("temperature", "degC", "other"),
+        ("temperature", "degC", "temperature"),
         ("mag_x", "", "other"),
     ]
 

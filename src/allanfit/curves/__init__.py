@@ -10,6 +10,7 @@ from ._covariance import allan_variance_deviation as allan_variance_deviation
 from ._covariance import joint_covariance as joint_covariance
 from ._design import Design as Design
 from ._design import design as design
+from ._design import mode_variances as mode_variances
 from ._design import unit_scale as unit_scale
 from ._input import as_series as as_series
 from ._psd import Spectrum as Spectrum
@@ -17,5 +18,7 @@ from ._psd import psd as psd
 from ._slope_reading import octaves as octaves
 from ._slope_reading import read_slopes as read_slopes
 from ._slope_reading import slope_reading as slope_reading
+from ._spectrum import cosine_coefficients as cosine_coefficients
+from ._spectrum import slow_part as slow_part
 from ._statistics import Statistics as Statistics
 from ._statistics import statistics as statistics

@@ -96,7 +96,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         modes = len(order[odd])
         ramp[stretch, :modes] = ramp_coefficients(length)[odd]
         for column, term in enumerate(NOISE_TERMS):
-            expected = _expected_ordinates(term, order, stretch_frequency, sampling)
+            expected = _expected_ordinates(term, length, stretch_frequency, sampling)
             # An ordinate is 2 dt c^2, so c has half its variance.
             ramp_variance[stretch, :modes, column] = expected[odd] / 2
             density[:, column] += np.bincount(
@@ -128,8 +128,24 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
     )
 
 
+@lru_cache(maxsize=32)
+def mode_variances(
+    length: int, modes: int, sampling: Sampling = "point"
+) -> Float[np.ndarray, "modes terms"]:
+    """Variances of the cosine coefficients 1 to `modes` of a stretch, per unit power.
+
+    Of Q, N, B and K along the axis of terms, for a sampling interval of one. `modes` is less than
+    the `length` of the stretch in samples.
+    """
+    frequency = np.arange(1, modes + 1) / (2 * length)
+    with jax.enable_x64(True):
+        columns = [_expected_ordinates(term, length, frequency, sampling) for term in NOISE_TERMS]
+    # An ordinate is 2 dt c^2, so c has half its variance.
+    return np.stack(columns, axis=-1) / 2
+
+
 def _expected_ordinates(
-    term: type[AbstractNoiseTerm], order: np.ndarray, frequency: np.ndarray, sampling: Sampling
+    term: type[AbstractNoiseTerm], samples: int, frequency: np.ndarray, sampling: Sampling
 ) -> np.ndarray:
     """Of unit power, in chunks of one size, so that all lengths share one compilation."""
     padded = np.pad(frequency, (0, -len(frequency) % _CHUNK), constant_values=0.25)
@@ -138,7 +154,7 @@ def _expected_ordinates(
         for chunk in padded.reshape(-1, _CHUNK)
     ]
     expected = np.concatenate(chunks)[: len(frequency)]
-    low = np.asarray(_low_mode_ratio(term, jnp.asarray(len(order) + 1)))
+    low = np.asarray(_low_mode_ratio(term, jnp.asarray(samples)))
     expected[:_LOW_MODES] *= low[: len(expected)]
     return expected
 

@@ -28,6 +28,13 @@ def cosine_coefficients(x: Float[Array, " samples"]) -> Float[Array, " modes"]:
     return jax.scipy.fft.dct(x - jnp.mean(x), type=2, norm="ortho")[1:]
 
 
+def slow_part(x: Float[Array, " samples"], modes: int) -> Float[Array, " samples"]:
+    """What the coefficients c_1 to c_`modes` say of x: smooth, and without the mean [u]."""
+    coefficients = cosine_coefficients(x)
+    kept = jnp.where(jnp.arange(1, x.shape[0]) <= modes, coefficients, 0.0)
+    return jax.scipy.fft.idct(jnp.pad(kept, (1, 0)), type=2, norm="ortho")
+
+
 def ramp_coefficients(samples: int) -> Float[np.ndarray, " modes"]:
     """The cosine coefficients of the ramp x_k = k: zero for even orders."""
     order = np.arange(1, samples)
@@ -67,9 +74,11 @@ class RampProjection(eqx.Module):
         rest = weighted - direction * jnp.sum(weighted * mix)
         return (rest[1:] / weight[1:]) ** 2
 
-    def expectation(self, variance: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " rest"]:
+    def expectation(
+        self, variance: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+    ) -> Float[Array, " rest"] | Float[np.ndarray, " rest"]:
         """What `__call__` expects when the coefficients are independent with these variances."""
         weighted = variance * self.weight**2
-        leaked = self.direction**2 * np.sum(self.mix**2 * weighted)
+        leaked = self.direction**2 * (self.mix**2 * weighted).sum()
         rest = weighted * (1 - 2 * self.direction * self.mix) + leaked
         return rest[1:] / self.weight[1:] ** 2

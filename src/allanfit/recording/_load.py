@@ -13,12 +13,13 @@ from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._csv import read_csv
 from ._npz import read_npy, read_npz
 from ._recording import Channel, Recording, RecordingError, Table
+from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, is_time, read_clock
 from ._units import Unit, parse_unit
 
 _READERS = {".csv": read_csv, ".txt": read_csv, ".npy": read_npy, ".npz": read_npz}
 
-_AUXILIARY = re.compile(r"(?:.*_)?(?:temp|mag(?!nitude))", re.IGNORECASE)
+_MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)", re.IGNORECASE)),
     ("accelerometer", re.compile(r"acc", re.IGNORECASE)),
@@ -65,12 +66,16 @@ def load(
     if rate_hz is None and table.rate_hz is not None:
         rate_hz = table.rate_hz
         _check_rate(rate_hz, f"rate_hz in {path.name}")
-    stamps = next((name for name in table.columns if is_time(name)), None)
-    names = [name for name in table.columns if not is_time(name)]
-    asked = _asked(path, names, channels)
+    warm = {
+        name for name in table.columns if is_temperature(name, table.units.get(name, ""), table)
+    }
+    stamps = next((name for name in table.columns if is_time(name) and name not in warm), None)
+    names = [name for name in table.columns if not is_time(name) or name in warm]
+    aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
+    asked = _asked(path, names, aside, channels)
     _check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
     clock = _clock(path, table, stamps, rate_hz)
-    units = _units(asked, table, unit)
+    units = _units(asked, aside, table, unit)
     findings = [*table.findings, *clock.findings, *_about_units(units)]
     kept = []
     for name in asked:
@@ -86,14 +91,17 @@ def load(
         kept.append(_channel(name, values, units[name], stretches, about))
     if not kept:
         raise RecordingError(f"{path.name} has no channel to analyse. {findings[-1]}")
+    auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
+    findings += doubts
     digest = hashlib.sha256()
-    for channel in kept:
+    for channel in (*kept, *(each for each in auxiliary if each.kind == "temperature")):
         digest.update(channel.samples.data)
+        digest.update(channel.si_unit.encode())
     return Recording(
         name=path.name,
         rate_hz=clock.rate_hz,
         channels=tuple(kept),
-        auxiliary=_auxiliary(table, names, asked, clock),
+        auxiliary=auxiliary,
         findings=(*findings, *about_gravity(kept)),
         checksum=digest.hexdigest(),
     )
@@ -128,9 +136,11 @@ def _check_rate(rate_hz: float, origin: str) -> None:
         )
 
 
-def _asked(path: Path, names: list[str], channels: Sequence[str] | None) -> list[str]:
+def _asked(
+    path: Path, names: list[str], aside: set[str], channels: Sequence[str] | None
+) -> list[str]:
     if not channels:
-        chosen = [name for name in names if not _AUXILIARY.match(name)]
+        chosen = [name for name in names if name not in aside]
         if not chosen:
             there = f": it holds {', '.join(names)}, which --channel can ask for" if names else ""
             raise RecordingError(f"{path.name} has no inertial channel{there}.")
@@ -174,10 +184,18 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
     return clock if rate_hz is None else Clock(rate_hz, clock.breaks, clock.findings)
 
 
-def _units(names: list[str], table: Table, override: str | None) -> dict[str, Unit]:
+def _units(
+    names: list[str], aside: set[str], table: Table, override: str | None
+) -> dict[str, Unit]:
     """The unit of each channel, `override` put in place where it fits."""
     given = None if override is None else parse_unit(override)
-    units = {name: _unit(name, table.units.get(name, ""), given) for name in names}
+    stated = {name: table.units.get(name, "") for name in names}
+    units = {
+        name: Unit(stated[name], si_unit=stated[name])
+        if name in aside
+        else _unit(name, stated[name], given)
+        for name in names
+    }
     if given is not None and given not in units.values():
         raise RecordingError(
             f"The unit {given.name} fits none of the channels: "
@@ -188,8 +206,6 @@ def _units(names: list[str], table: Table, override: str | None) -> dict[str, Un
 
 
 def _unit(name: str, stated: str, given: Unit | None) -> Unit:
-    if _AUXILIARY.match(name):
-        return Unit(stated, si_unit=stated)
     try:
         unit = parse_unit(stated)
     except RecordingError:
@@ -242,16 +258,22 @@ def _channel(
 
 
 def _auxiliary(
-    table: Table, names: list[str], asked: list[str], clock: Clock
-) -> tuple[Channel, ...]:
+    table: Table, aside: set[str], warm: set[str], asked: list[str], clock: Clock
+) -> tuple[tuple[Channel, ...], list[str]]:
     """Temperatures and magnetometers, sampled with the channels and not among them."""
     length = table.columns[asked[0]].size
-    auxiliary = []
-    for name in names:
-        column = table.columns[name]
-        if _AUXILIARY.match(name) and name not in asked and column.size == length:
-            values = column.astype(np.float64)
-            unit = table.units.get(name, "")
+    auxiliary, findings = [], []
+    for name, column in table.columns.items():
+        if name not in aside or name in asked:
+            continue
+        values, unit = column.astype(np.float64), table.units.get(name, "")
+        if name in warm:
+            channel, doubts = read_temperature(name, values, unit, length, clock)
+            findings += doubts
+            if channel is not None:
+                auxiliary.append(channel)
+                continue
+        if column.size == length:
             stretches = split(np.isfinite(values), clock.breaks)
             auxiliary.append(_channel(name, values, Unit(unit, si_unit=unit), stretches, ()))
-    return tuple(auxiliary)
+    return tuple(auxiliary), findings

@@ -23,7 +23,7 @@ class Channel:
     si_unit: str
     """`rad/s`, `m/s^2`, or the given unit when it is neither."""
     kind: str
-    """`gyro`, `accelerometer` or `other`, as the unit says."""
+    """`gyro`, `accelerometer` or `other`, as the unit says; `temperature` beside the channels."""
     samples: Float64[np.ndarray, " samples"]
     """All samples in SI, those outside `stretches` too."""
     stretches: tuple[tuple[int, int], ...]
@@ -43,11 +43,12 @@ class Recording:
     channels: tuple[Channel, ...]
     """What is to be analysed, never empty."""
     auxiliary: tuple[Channel, ...]
-    """What may explain the channels: temperatures, magnetometers. Unchecked, in their own units."""
+    """What may explain the channels: temperatures in degC, and magnetometers in their own units."""
     findings: tuple[str, ...]
     """About the file and its time stamps, one plain sentence each."""
     checksum: str
-    """SHA-256 of the samples of the channels, in order, as float64 in SI."""
+    """SHA-256 of the samples and SI units of the channels, in order, as float64, then of the
+    temperatures beside them: of all that a result depends on, and nothing else of the file."""
 
 
 @dataclass(frozen=True)

@@ -78,6 +78,22 @@ class Unit:
     """`gyro`, `accelerometer` or `other`."""
 
 
+# In words, or after a degree sign or `deg`; letters alone are capitals, since k and f are prefixes.
+_TEMPERATURE = re.compile(
+    r"(?:[°º]|deg(?:ree)?s?)?\s*(celsius|kelvin|fahrenheit)|(?:[°º]|deg(?:ree)?s?)\s*([ckf])",
+    re.IGNORECASE,
+)
+# To degC: the size of a degree, and what is added.
+_TEMPERATURES = {"c": (1.0, 0.0), "k": (1.0, -273.15), "f": (5 / 9, -160 / 9)}
+
+
+def temperature_scale(name: str) -> tuple[float, float] | None:
+    """Degrees C in one degree of the unit called `name`, and what to add; None if it has none."""
+    text = name.strip().replace("℃", "degC").replace("℉", "degF")
+    spelled = _TEMPERATURE.fullmatch("deg" + text if text in ("C", "K", "F") else text)
+    return _TEMPERATURES[(spelled[1] or spelled[2])[0].lower()] if spelled else None
+
+
 def _registry() -> pint.UnitRegistry:
     # None is the documented way to an empty registry, against the annotation.
     registry = pint.UnitRegistry(None)  # pyright: ignore[reportArgumentType]

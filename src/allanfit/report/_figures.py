@@ -37,7 +37,7 @@ def figure(channel: Mapping[str, Any]) -> "matplotlib.figure.Figure":
 
 
 def svg(channel: Mapping[str, Any], subject: str, prefix: str) -> str:
-    """A curve of a channel ("allan" or "psd"), or its "shares", as an SVG element for a page.
+    """A curve of a channel ("allan" or "psd"), its "shares" or "temperature", as SVG for a page.
 
     `prefix` goes before every identifier: those of several figures share one page.
 
@@ -46,12 +46,15 @@ def svg(channel: Mapping[str, Any], subject: str, prefix: str) -> str:
     with report_extra():
         from ._panels import draw, style
         from ._shares_panel import draw_shares
+        from ._temperature_panel import draw_temperature
     # Dates and library versions would make two equal reports differ.
     undated = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     stream = io.StringIO()
     with style():
-        shares = subject == "shares"
-        sheet = draw_shares(channel) if shares else draw(channel, (subject,), title=False)
+        whole = {"shares": draw_shares, "temperature": draw_temperature}
+        sheet = (
+            whole[subject](channel) if subject in whole else draw(channel, (subject,), title=False)
+        )
         sheet.savefig(stream, format="svg", metadata=undated)
     element = stream.getvalue()
     element = element[element.index("<svg") :]

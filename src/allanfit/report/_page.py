@@ -16,6 +16,8 @@ from ._rows import (
     has_shares,
     sampler_sentence,
     shares_caption,
+    temperature_caption,
+    temperature_sentence,
     warning_sentence,
 )
 from ._units import typeset
@@ -68,6 +70,11 @@ def _page(document: Mapping[str, Any]) -> str:
             if has_shares(channel)
             else "",
             "shares_caption": shares_caption(channel),
+            "temperature": temperature_sentence(channel),
+            "heat": Markup(svg(channel, "temperature", f"temperature-{number}-"))
+            if channel.get("temperature")
+            else "",
+            "heat_caption": temperature_caption(channel),
         }
         for number, channel in enumerate(document["channels"], start=1)
     ]

@@ -171,6 +171,25 @@ def shares_caption(channel: Mapping[str, Any]) -> str:
     )
 
 
+def temperature_sentence(channel: Mapping[str, Any]) -> str:
+    """What temperature does to the channel, "" where none was recorded."""
+    return " ".join((channel.get("temperature") or {}).get("sentences", ()))
+
+
+def temperature_caption(channel: Mapping[str, Any]) -> str:
+    """What the figure of the temperature shows, in words, "" where there is none."""
+    entry = channel.get("temperature")
+    if not entry:
+        return ""
+    return (
+        f"Slow changes beside {printable(entry['channel'])}. Points are means over "
+        f"{duration(channel['duration_s'] / len(entry['slow']['time_s']))}, the line is the "
+        "effect of temperature with its 95 % band, which allows for drift of the sensor's own. "
+        f"Changes of the temperature within {duration(entry['shortest_period_s'])} are not used: "
+        "there its own noise is too near."
+    )
+
+
 def sampler_sentence(channel: Mapping[str, Any]) -> str:
     """Where the intervals come from and whether the sampler may be trusted."""
     posterior = channel["posterior"]

@@ -39,7 +39,7 @@ def draw_shares(channel: Mapping[str, Any]) -> Figure:
             top=1 - top / height,
             hspace=_GAP_INCHES / _PANEL_INCHES,
         )
-        time, unit = _time(entry["time_s"])
+        time, unit = time_axis(entry["time_s"])
         for axes, symbol in zip(panels, symbols, strict=True):
             rows = (entry[key][symbol] for key in ("share", "expected", "stands_out"))
             _draw_term(axes, symbol, time, *map(np.asarray, rows))
@@ -49,7 +49,8 @@ def draw_shares(channel: Mapping[str, Any]) -> Figure:
         return sheet
 
 
-def _time(edges: list[float]) -> tuple[np.ndarray, str]:
+def time_axis(edges: list[float]) -> tuple[np.ndarray, str]:
+    """Times in the largest unit that they fill, and its name."""
     _, size, unit = next(each for each in _TIME_UNITS if edges[-1] >= each[0])
     return np.array(edges) / size, unit
 

@@ -13,6 +13,7 @@ from ._rows import (
     fit_sentence,
     sampler_sentence,
     slope_sentence,
+    temperature_sentence,
     warning_sentence,
 )
 
@@ -51,6 +52,8 @@ def _channel_lines(channel: Mapping[str, Any]) -> list[str]:
         "fit": fit_sentence(channel),
         "sampler": sampler_sentence(channel),
         "slopes": slope_sentence(channel),
+        # Told among the findings where it matters.
+        "heat": "" if _told(channel) else temperature_sentence(channel),
         "longer": advice_sentence(channel),
         "warning": warning_sentence(channel),
     }
@@ -61,6 +64,11 @@ def _channel_lines(channel: Mapping[str, Any]) -> list[str]:
         *(line for label, fact in facts.items() if fact for line in _labelled(label, fact)),
         *_bullets(channel["findings"]),
     ]
+
+
+def _told(channel: Mapping[str, Any]) -> bool:
+    said = (channel.get("temperature") or {}).get("sentences", ())
+    return any(sentence in channel["findings"] for sentence in said)
 
 
 def _table(rows: Sequence[Row]) -> list[str]:
