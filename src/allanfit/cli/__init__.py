@@ -22,24 +22,18 @@ try:
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
-from .calibrate import (
-    Calibration,
-    calibration_text,
-    multi_position,
-    rate_table,
-    up_down,
-    write_calibration_page,
-)
-from .coefficients import read_coefficients
-from .compilation import shorten_compilation
-from .demo import TRUTH, demonstrate
-from .export import FORMATS, Options, parse_walk
-from .export import export as export_fit
-from .identify import RecordingFit, fit_recording
-from .plan import parse_want, plan_file, plan_text
-from .recording import load, save
-from .report import format_text, write_json, write_page
-from .simulate import simulate as simulate_series
+from ..coefficients import read_coefficients
+from ..compilation import shorten_compilation
+from ..demo import TRUTH, demonstrate
+from ..export import FORMATS, Options, parse_walk
+from ..export import export as export_fit
+from ..identify import RecordingFit, fit_recording
+from ..plan import parse_want, plan_file, plan_text
+from ..recording import load, save
+from ..report import format_text, write_json, write_page
+from ..simulate import simulate as simulate_series
+from ._calibrate import calibrate_app
+from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
 
 app = typer.Typer(
     name="allanfit",
@@ -49,30 +43,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-calibrate_app = typer.Typer(
-    help="Bias, scale factor and misalignment, with intervals.", no_args_is_help=True
-)
 app.add_typer(calibrate_app, name="calibrate")
-
-Channels = Annotated[
-    list[str] | None, typer.Option("--channel", help="A channel to use; repeat for more.")
-]
-Rate = Annotated[
-    float | None, typer.Option("--rate", help="Samples per second, if the file does not say.")
-]
-Unit = Annotated[
-    str | None, typer.Option(help="Unit of the channels, such as deg/s, rad/s, g or m/s^2.")
-]
-Json = Annotated[str | None, typer.Option(help="Write the results as JSON; - is stdout.")]
-Page = Annotated[Path | None, typer.Option("--report", help="Write a page with figures, HTML.")]
-Gravity = Annotated[
-    float | None, typer.Option(help="Gravity where the test was made, m/s^2; else the standard.")
-]
-Seed = Annotated[int, typer.Option(help="Seed; the same seed gives the same numbers.", min=0)]
-Sampling = Annotated[
-    Literal["point", "averaged"],
-    typer.Option(help="Whether a sample is a value at an instant or a mean over the interval."),
-]
 
 
 @app.command()
@@ -100,7 +71,7 @@ def fit(
 
     Example: allanfit fit gyro.csv --rate 100 --unit deg/s --report gyro.html
     """
-    _refuse_missing_folders(json, report)
+    refuse_missing_folders(json, report)
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
     with _progress() as progress:
         task = progress.add_task("reading", total=len(found.channels))
@@ -176,7 +147,7 @@ def plan(
 
     Example: allanfit plan fit.json --rate 100 --want N=1%,B=10%,K=30%
     """
-    _refuse_missing_folders(json, None)
+    refuse_missing_folders(json, None)
     found = plan_file(coefficients, rate, parse_want(want), channels=channel, sampling=sampling)
     if json is not None:
         write_json(found.to_dict(), json)
@@ -216,107 +187,12 @@ def export(
 
     Example: allanfit export fit.json --format kalman --output filter.json
     """
-    _refuse_missing_folders(output, None)
+    refuse_missing_folders(output, None)
     options = Options(axes, band, parse_walk(walk), rostopic)
     exported = export_fit(fit, format, options, channels=channel)
     for warning in exported.warnings:
         typer.echo(f"allanfit: {warning}", err=True)
     exported.write(output)
-
-
-@calibrate_app.command("up-down")
-def calibrate_up_down(
-    up: Annotated[Path, typer.Argument(help="Still recording with the axis up: it reads +g.")],
-    down: Annotated[Path, typer.Argument(help="The same with the axis down.")],
-    gravity: Gravity = None,
-    rate: Rate = None,
-    channel: Channels = None,
-    unit: Unit = None,
-    noise: Annotated[
-        Path | None, typer.Option(help="Noise from a longer recording: a fit's JSON, or YAML.")
-    ] = None,
-    gap: Annotated[float, typer.Option(help="Seconds from the end of UP to DOWN.", min=0)] = 0.0,
-    json: Json = None,
-    report: Page = None,
-    sampling: Sampling = "point",
-    seed: Seed = 0,
-) -> None:
-    """Bias and scale factor of accelerometer axes held up, then down.
-
-    Example: allanfit calibrate up-down up.csv down.csv --rate 100 --unit m/s^2 --gravity 9.812
-    """
-    _refuse_missing_folders(json, report)
-    found = up_down(
-        up,
-        down,
-        gravity=gravity,
-        rate_hz=rate,
-        channels=channel,
-        unit=unit,
-        noise=noise,
-        gap_s=gap,
-        sampling=sampling,
-        seed=seed,
-    )
-    _deliver_calibration(found, json, report)
-
-
-@calibrate_app.command("rate-table")
-def calibrate_rate_table(
-    table: Annotated[Path, typer.Argument(help="CSV: rate, and cw and ccw or roll_cw, roll_ccw.")],
-    unit: Annotated[str | None, typer.Option(help="Unit of the table: rpm, deg/s, rad/s.")] = None,
-    latitude: Annotated[
-        float | None, typer.Option(help="Degrees north, to take out the Earth's rate.")
-    ] = None,
-    reference: Annotated[
-        Literal["table", "earth"],
-        typer.Option(help="What turns: a table, or the Earth under a gyro turned over at rest."),
-    ] = "table",
-    json: Json = None,
-    report: Page = None,
-) -> None:
-    """Bias and scale factor of gyro axes on a rate table.
-
-    Example: allanfit calibrate rate-table table.csv --unit rpm --latitude 52.5
-    """
-    _refuse_missing_folders(json, report)
-    found = rate_table(table, unit=unit, latitude_deg=latitude, reference=reference)
-    _deliver_calibration(found, json, report)
-
-
-@calibrate_app.command("multi-position")
-def calibrate_multi_position(
-    positions: Annotated[
-        Path, typer.Argument(help="CSV of means: ax, ay, az [ref_x, ref_y, ref_z]; or a recording.")
-    ],
-    gravity: Gravity = None,
-    unit: Unit = None,
-    sigma: Annotated[
-        float | None, typer.Option(help="Standard deviation of a mean, in its unit, if known.")
-    ] = None,
-    orthogonal: Annotated[
-        bool, typer.Option("--orthogonal", help="Take the axes as orthogonal.")
-    ] = False,
-    rate: Rate = None,
-    channel: Channels = None,
-    json: Json = None,
-    report: Page = None,
-) -> None:
-    """Bias, scale factor and misalignment of an accelerometer triad at rest.
-
-    Example: allanfit calibrate multi-position means.csv --unit m/s^2 --gravity 9.812
-    """
-    _refuse_missing_folders(json, report)
-    found = multi_position(
-        positions,
-        gravity=gravity,
-        unit=unit,
-        sigma=sigma,
-        orthogonal=orthogonal,
-        rate_hz=rate,
-        channels=channel,
-    )
-    _deliver_calibration(found, json, report)
 
 
 @app.command()
@@ -368,26 +244,6 @@ def _deliver(result: RecordingFit, json: str | None, report: Path | None) -> Non
         typer.echo(f"\nPage with figures: {report}", err=True)
 
 
-def _deliver_calibration(found: Calibration, json: str | None, report: Path | None) -> None:
-    if json is not None:
-        write_json(found.to_dict(), json)
-    if json != "-":
-        typer.echo(calibration_text(found))
-    if report is not None:
-        write_calibration_page(found, report)
-        typer.echo(f"\nPage with figures: {report}", err=True)
-
-
-def _refuse_missing_folders(json: str | None, report: Path | None) -> None:
-    """Find out before the work, not after it, that its result has nowhere to go."""
-    for target in (json, report):
-        if target not in (None, "-") and not Path(target).parent.is_dir():
-            raise ValueError(
-                f"There is no folder {str(Path(target).parent)!r} to write {Path(target).name} "
-                "to; make it first."
-            )
-
-
 def _progress() -> Progress:
     console = Console(stderr=True)
     return Progress(
@@ -402,16 +258,11 @@ def _progress() -> Progress:
 
 
 def _configure_jax() -> None:
-    """Float64, and a bounded cache of compiled code, in a process that is ours."""
+    """Float64, and compiled programs that are kept, in a process that is ours."""
     jax.config.update("jax_enable_x64", True)
     # Which of its fonts a machine lacks is no matter of the user's.
     logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     shorten_compilation(user_cache_path("allanfit") / "compiled")
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "allanfit"
-    if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-        jax.config.update("jax_compilation_cache_dir", str(cache))
-    jax.config.update("jax_compilation_cache_max_size", 200 * 1024**2)
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
 
 
 def main(argv: Sequence[str]) -> int:

@@ -1,0 +1,33 @@
+"""Options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+Channels = Annotated[
+    list[str] | None, typer.Option("--channel", help="A channel to use; repeat for more.")
+]
+Rate = Annotated[
+    float | None, typer.Option("--rate", help="Samples per second, if the file does not say.")
+]
+Unit = Annotated[
+    str | None, typer.Option(help="Unit of the channels, such as deg/s, rad/s, g or m/s^2.")
+]
+Json = Annotated[str | None, typer.Option(help="Write the results as JSON; - is stdout.")]
+Page = Annotated[Path | None, typer.Option("--report", help="Write a page with figures, HTML.")]
+Seed = Annotated[int, typer.Option(help="Seed; the same seed gives the same numbers.", min=0)]
+Sampling = Annotated[
+    Literal["point", "averaged"],
+    typer.Option(help="Whether a sample is a value at an instant or a mean over the interval."),
+]
+
+
+def refuse_missing_folders(json: str | None, report: Path | None) -> None:
+    """Find out before the work, not after it, that its result has nowhere to go."""
+    for target in (json, report):
+        if target not in (None, "-") and not Path(target).parent.is_dir():
+            raise ValueError(
+                f"There is no folder {str(Path(target).parent)!r} to write {Path(target).name} "
+                "to; make it first."
+            )
