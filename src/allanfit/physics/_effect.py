@@ -1,0 +1,92 @@
+"""The base of every effect beyond the five terms: what explain may name and simulate may add.
+
+An effect is one file here: its parameters with their units, what it does to samples, what it does
+to the spectrum if it has one, and two sentences for people. `catalogue` lists them all.
+"""
+
+import abc
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from ._term import Sampling
+
+
+class Parameter(NamedTuple):
+    """One number that describes an effect."""
+
+    #: As in explain's JSON.
+    name: str
+    #: With `u` for the unit of the channel: "u", "s", "Hz", "u^2/Hz", "u/K", "1/u", "" for none.
+    unit: str
+
+
+class AbstractEffect(eqx.Module):
+    """Something that a sensor does beside Q, N, B, K and R.
+
+    Its fields are its parameters, under the same names: scalars, or one-dimensional arrays of
+    times [s]. The unit of the samples is u, times and frequencies are in s and Hz.
+    """
+
+    #: As in explain's JSON.
+    name: eqx.AbstractClassVar[str]
+    parameters: eqx.AbstractClassVar[tuple[Parameter, ...]]
+    #: What it is, after "the recording holds": "a sinusoid", "exponentially correlated noise".
+    what: eqx.AbstractClassVar[str]
+    #: Where it comes from as a rule, one clause.
+    origin: eqx.AbstractClassVar[str]
+
+    @abc.abstractmethod
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """The samples [u] of a sensor with the effect, given those of one without."""
+
+
+class AbstractAddedNoise(AbstractEffect):
+    """Stationary noise beside the five terms, whose density adds to theirs."""
+
+    #: The density is proportional to this parameter to this power.
+    scale: eqx.AbstractClassVar[tuple[str, int]]
+
+    @abc.abstractmethod
+    def density(
+        self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling
+    ) -> Float[Array, "*shape"]:
+        """One-sided spectral density of the samples [u^2/Hz] at `frequency` [Hz]."""
+
+    @abc.abstractmethod
+    def sample(
+        self, key: PRNGKeyArray, samples: int, dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """Draw a realisation [u]."""
+
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """Samples and noise added."""
+        return samples + self.sample(key, samples.shape[0], dt, sampling)
+
+
+class AbstractFilter(AbstractEffect):
+    """Something that multiplies the density of what the sensor feels."""
+
+    @abc.abstractmethod
+    def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        """|H|^2 for white noise, as sampled: aliases of what the filter passes are folded in."""
+
+
+class AbstractMean(AbstractEffect):
+    """Something deterministic, added to the samples."""
+
+    @abc.abstractmethod
+    def mean(self, time: Float[Array, " samples"]) -> Float[Array, " samples"]:
+        """What it adds [u] at each `time` [s] since the first sample."""
+
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """Samples and mean added."""
+        return samples + self.mean(dt * jnp.arange(samples.shape[0]))
