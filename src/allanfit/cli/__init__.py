@@ -5,7 +5,6 @@ usage. Data goes to stdout, messages to stderr, progress only to a terminal.
 """
 
 import logging
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
