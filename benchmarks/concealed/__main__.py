@@ -1,0 +1,89 @@
+"""Conceal, explain, score.
+
+    python -m benchmarks.concealed --quick         # 24 recordings: some minutes
+    python -m benchmarks.concealed                 # 1500 recordings, 2 GB of them: hours
+    python -m benchmarks.concealed --real          # effects put into real recordings, if present
+    python -m benchmarks.concealed --score         # only open the key and score what is there
+
+Each step goes on where it stopped. The tool is given recordings only; the digest of the answer
+key is printed and stored before the first of them is analysed, and checked when it is opened.
+"""
+
+import argparse
+import json
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+
+from . import _real
+from ._key import conceal, open_key
+from ._run import run
+from ._score import Row, markdown, score
+
+RESULTS = Path(__file__).parents[1] / "results" / "concealed"
+
+
+def rows(folder: Path) -> tuple[list[Row], list[str]]:
+    """What is so and what was said of every analysed recording; and by which code."""
+    found, commits = [], set()
+    for truth in open_key(folder):
+        file = folder / "results" / f"{truth['recording']}.json"
+        if file.exists():
+            result = json.loads(file.read_text())
+            channels = result.get("explanation", {}).get("channels") or [{}]
+            found.append(Row(truth, channels[0], result["seconds"]))
+            commits.add(result["commit"])
+    return found, sorted(commits)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--recordings", type=int)
+    parser.add_argument("--seed", type=int, default=1, help="of the set; never one tried before")
+    parser.add_argument("--folder", type=Path)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--real", action="store_true", help="the tier of real backgrounds")
+    parser.add_argument("--conceal", action="store_true", help="only make and seal the set")
+    parser.add_argument("--score", action="store_true", help="only open the key and score")
+    options = parser.parse_args(arguments)
+    count = options.recordings or (24 if options.quick else 1500)
+    tier = "real" if options.real else "synthetic"
+    folder = options.folder or RESULTS / f"{tier}-{options.seed}-{count}"
+    console = Console(stderr=True)
+    if not options.score:
+        make = _real.conceal if options.real else conceal
+        with Progress(console=console) as bar:
+            task = bar.add_task("concealing", total=count)
+            digest = make(folder, count, options.seed, options.workers, lambda: bar.advance(task))
+            console.print(f"SHA-256 of the answer key: {digest}")
+            if options.conceal:
+                return
+            task = bar.add_task("explaining", total=count)
+            run(folder, options.workers, lambda: bar.advance(task))
+    found, commits = rows(folder)
+    scores = _real.score(found) if options.real else score(found)
+    document = {
+        "seal": (folder / "seal.txt").read_text().strip(),
+        "commits": commits,
+        "machine": platform.platform(),
+        "allanfit": version("allanfit"),
+        **scores,
+    }
+    (folder / "scores.json").write_text(json.dumps(document, indent=1) + "\n")
+    table = _real.markdown(scores) if options.real else markdown(scores)
+    (folder / "scores.md").write_text(table + "\n")
+    print(table)
+    for failure in scores["failures"]:
+        print(json.dumps(failure))
+    if len(commits) > 1:
+        console.print(f"Analysed by more than one version: {', '.join(commits)}")
+
+
+if __name__ == "__main__":
+    main()
