@@ -3,6 +3,7 @@
     python -m benchmarks.concealed --quick         # 24 recordings: some minutes
     python -m benchmarks.concealed                 # 1500 recordings, 2 GB of them: hours
     python -m benchmarks.concealed --real          # effects put into real recordings, if present
+    python -m benchmarks.concealed --known         # real recordings of which something is known
     python -m benchmarks.concealed --score         # only open the key and score what is there
 
 Each step goes on where it stopped. The tool is given recordings only; the digest of the answer
@@ -18,10 +19,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from . import _real
-from ._key import conceal, open_key
+from . import _key, _known, _real, _score
+from ._key import open_key
+from ._row import Row
 from ._run import run
-from ._score import Row, markdown, score
 
 RESULTS = Path(__file__).parents[1] / "results" / "concealed"
 
@@ -48,16 +49,21 @@ def main(arguments=None):
     parser.add_argument("--seed", type=int, default=1, help="of the set; never one tried before")
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--real", action="store_true", help="the tier of real backgrounds")
+    tiers = parser.add_mutually_exclusive_group()
+    tiers.add_argument("--real", action="store_true", help="the tier of real backgrounds")
+    tiers.add_argument("--known", action="store_true", help="the tier of known real recordings")
     parser.add_argument("--conceal", action="store_true", help="only make and seal the set")
     parser.add_argument("--score", action="store_true", help="only open the key and score")
     options = parser.parse_args(arguments)
     count = options.recordings or (24 if options.quick else 1500)
-    tier = "real" if options.real else "synthetic"
+    tier, make, scorer = "synthetic", _key.conceal, _score
+    if options.real:
+        tier, make, scorer = "real", _real.conceal, _real
+    elif options.known:
+        tier, make, scorer, count = "known", _known.conceal, _known, len(_known.KNOWN)
     folder = options.folder or RESULTS / f"{tier}-{options.seed}-{count}"
     console = Console(stderr=True)
     if not options.score:
-        make = _real.conceal if options.real else conceal
         with Progress(console=console) as bar:
             task = bar.add_task("concealing", total=count)
             digest = make(folder, count, options.seed, options.workers, lambda: bar.advance(task))
@@ -67,7 +73,7 @@ def main(arguments=None):
             task = bar.add_task("explaining", total=count)
             run(folder, options.workers, lambda: bar.advance(task))
     found, commits = rows(folder)
-    scores = _real.score(found) if options.real else score(found)
+    scores = scorer.score(found)
     document = {
         "seal": (folder / "seal.txt").read_text().strip(),
         "commits": commits,
@@ -76,11 +82,9 @@ def main(arguments=None):
         **scores,
     }
     (folder / "scores.json").write_text(json.dumps(document, indent=1) + "\n")
-    table = _real.markdown(scores) if options.real else markdown(scores)
+    table = scorer.markdown(scores)
     (folder / "scores.md").write_text(table + "\n")
     print(table)
-    for failure in scores["failures"]:
-        print(json.dumps(failure))
     if len(commits) > 1:
         console.print(f"Analysed by more than one version: {', '.join(commits)}")
 

@@ -62,6 +62,8 @@ APART = [
     {LowPass, SampleHold, OutputRounding, Saturation},
     {VarianceModulation, VibrationRectification, Step, Outliers, Disturbance},
     {Outliers, Saturation, OutputRounding},
+    {DroppedSamples, Sinusoid},  # Each loss turns the phase.
+    {DroppedSamples, DriftingLine},
 ]
 PAIRS = [pair for pair in combinations(INSIDE, 2) if not any(set(pair) <= group for group in APART)]
 NOTHING, TWO, BEYOND = 0.42, 0.10, 0.05

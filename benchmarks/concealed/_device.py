@@ -75,6 +75,10 @@ def draw_device(rng: np.random.Generator, profile: str | None = None) -> Device:
     if rng.random() < 0.125:
         odd = str(rng.choice([s for s in coefficients if s != "N"]))
         coefficients[odd] *= float(rng.choice([0.0, 4.0]))
+    # One in eight has a ramp, from none to a plain one: up to six deviations of what a walk feigns.
+    if rng.random() < 0.125:
+        feigned = coefficients.get("K", 0.0) * np.sqrt(1.2 * rate_hz / samples)
+        coefficients["R"] = float(rng.uniform(0, 6) * feigned)
     rounded = rng.random() < 0.1 and _rounding_is_white(coefficients, rate_hz)
     deviation = coefficients["N"] * np.sqrt(rate_hz)
     on_the_vertical = unit == "m/s^2" and rng.random() < 0.5

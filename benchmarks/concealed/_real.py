@@ -17,11 +17,12 @@ from ._converter import DroppedSamples, Outliers, SampleHold
 from ._device import SUB, Device, Surroundings, convert
 from ._effect import Effect, at_strength
 from ._key import open_key, seal, write_recording
-from ._score import Figure, Row, confusion, failures, share
-from ._score import markdown as markdown  # The same tables serve both tiers.
+from ._row import Figure, Row, share
+from ._score import confusion, failures
 from ._slow import Disturbance, Step, Temperature, WarmUp
 from ._spectral import DriftingLine, GaussMarkov, RandomTelegraph, Resonance, Sinusoid
 from ._strength import basis, best_five_terms, bins
+from ._tables import markdown as markdown
 
 SHARED = Path(__file__).parents[3] / "shared" / "recordings"
 BACKGROUNDS = ("vn100", "xsens_dot_10_units", "memsense_11_power_cycles", "xsens_mtig_outliers")
@@ -148,7 +149,10 @@ def score(rows: list[Row]) -> dict:
     ]
     return {
         "recordings": len(rows),
-        "figures": [asdict(f) | {"share": f.share, "bar_95": f.bar, "met": f.met} for f in figures],
+        "figures": [
+            asdict(f) | {"share": f.share if f.total else None, "bar_95": f.bar, "met": f.met}
+            for f in figures
+        ],
         "numbers": [],
         "power": {},
         "confusion": confusion(rows),

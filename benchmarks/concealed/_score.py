@@ -6,95 +6,17 @@ apart from the true one. Figures on lambda use recordings with one cause.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from scipy.stats import beta
+
+from ._row import Figure, Row, judge, share
+from ._tables import markdown as markdown
 
 GAIN_FLOOR = -2.0
 """Nats of held-out score that nothing hidden may cost."""
-
-
-@dataclass(frozen=True)
-class Row:
-    """One recording: what is so, and what was said."""
-
-    truth: dict
-    said: dict
-    """The channel's entry in `explain`, or {} where the tool failed."""
-    seconds: float
-
-    @property
-    def effects(self) -> list[dict]:
-        return self.truth["effects"]
-
-    @property
-    def only(self) -> dict | None:
-        """The cause, where it is one and in the catalogue."""
-        alone = len(self.effects) == 1 and not self.effects[0]["outside"]
-        return self.effects[0] if alone else None
-
-    @property
-    def outside(self) -> bool:
-        return any(effect["outside"] for effect in self.effects)
-
-    @property
-    def verdict(self) -> str:
-        return self.said.get("verdict", "failed")
-
-    @property
-    def alarm(self) -> bool:
-        return self.verdict not in ("consistent", "failed")
-
-    @property
-    def named(self) -> list[str]:
-        return [effect["name"] for effect in self.said.get("effects", [])]
-
-    def names(self, effect: dict) -> bool:
-        return bool(set(effect["accepted"]) & set(self.named))
-
-    @property
-    def gain(self) -> float | None:
-        score = (self.said.get("improvement") or {}).get("held_out_log_score") or {}
-        return score.get("difference")
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A share of recordings, and what it should be."""
-
-    name: str
-    hits: int
-    total: int
-    target: str = ""
-
-    @property
-    def share(self) -> float:
-        return self.hits / self.total if self.total else float("nan")
-
-    @property
-    def bar(self) -> tuple[float, float]:
-        """Clopper and Pearson's 95 % interval."""
-        k, n = self.hits, self.total
-        low = beta.ppf(0.025, k, n - k + 1) if k else 0.0
-        high = beta.ppf(0.975, k + 1, n - k) if k < n else 1.0
-        return float(low), float(high)
-
-    @property
-    def met(self) -> bool | None:
-        return judge(self.share, self.target) if self.total else None
-
-
-def judge(value: float, target: str) -> bool | None:
-    """Whether a value meets `<= x`, `>= x` or `x to y`; None without a target."""
-    if not target:
-        return None
-    if " to " in target:
-        low, high = map(float, target.split(" to "))
-        return low <= value <= high
-    sign, limit = target.split()
-    return value <= float(limit) if sign == "<=" else value >= float(limit)
+SPECTRUM_ALIKE = {"gauss_markov", "random_telegraph"}
+"""Equal in every spectrum whatever their parameters."""
 
 
 def score(rows: list[Row]) -> dict:
@@ -112,6 +34,7 @@ def score(rows: list[Row]) -> dict:
     ]
     numbers = [
         ("expected calibration error of probabilities", *calibration(rows), "<= 0.05"),
+        ("... of members of a class", *calibration(rows, of_members=True), ""),
         ("overlap of located bands, median IoU in ln f", *overlap(rows), ">= 0.5"),
         ("held-out gain over lambda/2, median, lambda >= 50", *relative_gain(rows), ""),
         ("seconds a recording, median", *quantile(rows, 0.5), "<= 30"),
@@ -122,7 +45,7 @@ def score(rows: list[Row]) -> dict:
         "figures": [
             {
                 "name": f.name,
-                "share": f.share,
+                "share": f.share if f.total else None,
                 "bar_95": f.bar,
                 "hits": f.hits,
                 "total": f.total,
@@ -132,21 +55,19 @@ def score(rows: list[Row]) -> dict:
             for f in figures
         ],
         "numbers": [
-            {"name": n, "value": v, "of": c, "target": t, "met": judge(v, t) if c else None}
+            {
+                "name": n,
+                "value": v if c else None,
+                "of": c,
+                "target": t,
+                "met": judge(v, t) if c else None,
+            }
             for n, v, c, t in numbers
         ],
         "power": power(rows),
         "confusion": confusion(rows),
         "failures": failures(rows),
     }
-
-
-def share(
-    name: str, rows: Iterable[Row], test: Callable[[Row], bool | None], target: str = ""
-) -> Figure:
-    """Of the rows for which the test has an answer, those for which it is yes."""
-    answers = [a for a in map(test, rows) if a is not None]
-    return Figure(name, sum(answers), len(answers), target)
 
 
 def false_alarms(rows):
@@ -213,11 +134,14 @@ def extra(row: Row) -> list[str]:
 
 def unknown(rows):
     outside = [row for row in rows if row.outside]
-    unexplained = lambda r: r.verdict == "unexplained"  # noqa: E731 - said twice below
     yield share("outside the catalogue: called unexplained", outside, unexplained, ">= 0.8")
     yield share("outside the catalogue: found", outside, lambda r: r.alarm)
     inside = [row for row in rows if row.effects and not row.outside and row.alarm]
     yield share("in the catalogue: called unexplained", inside, unexplained, "<= 0.05")
+
+
+def unexplained(row: Row) -> bool:
+    return row.verdict == "unexplained"
 
 
 def location(rows):
@@ -232,7 +156,7 @@ def line_located(row: Row) -> bool:
     reach = max(1 / duration, effect["parameters"].get("spread", 0.0))
     true = effect["scored"]["frequency"]
     found = [
-        said["parameters"]["frequency"]["value"]
+        said["parameters"].get("frequency", {}).get("value", np.inf)
         for said in row.said["effects"]
         if said["name"] in effect["accepted"]
     ]
@@ -287,20 +211,34 @@ def common(one, other) -> float:
     return float(max(min(b, d) - max(a, c), 0) / union) if union > 0 else 1.0
 
 
-def calibration(rows):
-    """Mean distance of stated probability and share of right names, in tenths of probability."""
+def calibration(rows, of_members=False):
+    """Mean distance of stated probability and share of right names, in tenths of probability.
+
+    Of classes: names that no spectrum tells apart share their probability. Of members: each name
+    answers for itself, and only the true one is right.
+    """
     stated, right = [], []
     for row in rows:
-        accepted = {name for effect in row.effects for name in effect["accepted"]}
+        key = "name" if of_members else "accepted"
+        true = {name for effect in row.effects for name in _several(effect[key])}
         for effect in row.said.get("effects", []):
-            stated.append(effect["probability"])
-            right.append(effect["name"] in accepted)
+            alike = not of_members and effect["name"] in SPECTRUM_ALIKE
+            others = effect.get("alternatives", []) if alike else []
+            shared = sum(
+                other["probability"] for other in others if other["name"] in SPECTRUM_ALIKE
+            )
+            stated.append(min(effect["probability"] + shared, 1.0))
+            right.append(effect["name"] in true)
     if not stated:
         return float("nan"), 0
     stated, right = np.array(stated), np.array(right, float)
     bin_of = np.minimum((stated * 10).astype(int), 9)
     gaps = [abs(np.sum((stated - right)[bin_of == b])) for b in range(10)]
     return float(np.sum(gaps) / stated.size), stated.size
+
+
+def _several(names) -> list[str]:
+    return [names] if isinstance(names, str) else names
 
 
 def coverage(rows):
@@ -316,9 +254,9 @@ def coverage(rows):
     plain = [row for row in rows if not row.effects and not row.alarm]
     for symbol in "NBK":
         group = [row for row in singles if symbol not in row.truth["inexact"]]
-        held_after = lambda r, s=symbol: coefficient_held(r, s)  # noqa: E731
-        yield share(f"95 % interval of {symbol} after naming", group, held_after, target)
-        yield share(f"... with nothing hidden, {symbol}", plain, held_after)
+        holds = partial(coefficient_held, symbol)
+        yield share(f"95 % interval of {symbol} after naming", group, holds, target)
+        yield share(f"... with nothing hidden, {symbol}", plain, holds)
 
 
 def parameters_held(row: Row) -> dict[str, bool]:
@@ -333,7 +271,7 @@ def parameters_held(row: Row) -> dict[str, bool]:
     return answers
 
 
-def coefficient_held(row: Row, symbol: str) -> bool | None:
+def coefficient_held(symbol: str, row: Row) -> bool | None:
     after = row.said.get("coefficients_after") or row.said.get("coefficients_before") or {}
     ends = interval(after.get(symbol))
     return None if ends is None else bool(ends[0] <= row.truth["coefficients"][symbol] <= ends[1])
@@ -346,15 +284,21 @@ def interval(entry: dict | None):
 
 def held_out(rows):
     strong = [row for row in rows if row.effects and min(strengths(row)) > 47 and row.alarm]
+    # Codes, rails, repeats and gaps leave spectrum and mean as five terms have them: what a log
+    # score gains by naming them is a matter of which score.
+    modelled = [row for row in strong if all(effect["band_hz"] for effect in row.effects)]
+    others = [row for row in strong if row not in modelled]
+    for title, group, target in (
+        ("held-out gain positive from lambda 50", modelled, ">= 0.95"),
+        ("... where only values or times show the cause", others, ""),
+    ):
+        yield share(title, group, lambda r: None if r.gain is None else r.gain > 0, target)
     yield share(
-        "held-out gain positive from lambda 50",
-        strong,
-        lambda r: None if r.gain is None else r.gain > 0,
-        ">= 0.95",
+        "nothing hidden: held-out score worse than -2 nats",
+        [row for row in rows if not row.effects],
+        lambda r: r.gain is not None and r.gain < GAIN_FLOOR,
+        "<= 0.01",
     )
-    nothing = [row for row in rows if not row.effects]
-    worse = lambda r: r.gain is not None and r.gain < GAIN_FLOOR  # noqa: E731
-    yield share("nothing hidden: held-out score worse than -2 nats", nothing, worse, "<= 0.01")
 
 
 def strengths(row: Row) -> list[float]:
@@ -427,63 +371,3 @@ def right(row: Row) -> bool:
     if row.outside:
         return row.verdict == "unexplained"
     return all(row.names(effect) for effect in row.effects) and not extra(row)
-
-
-def markdown(scores: dict) -> str:
-    """The tables that the docs quote."""
-    verdict = {True: "yes", False: "**no**", None: ""}
-    lines = ["| figure | found | 95 % bar | of | target | met |", "|---|---|---|---|---|---|"]
-    for f in scores["figures"]:
-        if f["total"]:
-            low, high = f["bar_95"]
-            lines.append(
-                f"| {f['name']} | {f['share']:.3f} | {low:.3f} to {high:.3f} | {f['total']} "
-                f"| {f['target']} | {verdict[f['met']]} |"
-            )
-    for n in scores["numbers"]:
-        if n["of"]:
-            lines.append(
-                f"| {n['name']} | {n['value']:.3g} | | {n['of']} | {n['target']} "
-                f"| {verdict[n['met']]} |"
-            )
-    lines += ["", "Found / rightly named / of, by cause and lambda:", ""]
-    for name, cells in sorted(scores["power"].items()):
-        each = (f"{s}: {a}/{b}/{c}" for s, (a, b, c) in sorted(cells.items(), key=_by_strength))
-        lines.append(f"- {name}: {', '.join(each)}")
-    lines += ["", *confusion_table(scores["confusion"])]
-    return "\n".join(lines)
-
-
-def _by_strength(item):
-    return float(item[0])
-
-
-# Names that share a spectrum, or a place in the values, side by side.
-ORDER = (
-    ("nothing",),
-    ("gauss_markov", "random_telegraph"),
-    ("output_rounding", "outliers"),
-    ("sinusoid", "drifting_line", "resonance"),
-    ("low_pass", "sample_hold"),
-    ("power_law", "temperature", "warm_up", "step"),
-    ("variance_modulation", "vibration_rectification", "disturbance"),
-    ("dropped_samples", "saturation"),
-)
-
-
-def confusion_table(table: dict) -> list[str]:
-    """Truth (rows) by name given (columns); names in one box are bracketed by position."""
-    order = [name for box in ORDER for name in box]
-    rows = sorted(table, key=lambda n: (order.index(n) if n in order else len(order), n))
-    given = {name for counts in table.values() for name in counts}
-    columns = sorted(given, key=lambda n: (order.index(n) if n in order else len(order), n))
-    box = {name: number for number, names in enumerate(ORDER) for name in names}
-    lines = ["| truth \\ named | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
-    for true in rows:
-        cells = []
-        for name in columns:
-            count = table[true].get(name, 0)
-            same = true in box and box.get(name) == box[true]
-            cells.append(f"[{count}]" if same else str(count or ""))
-        lines.append(f"| {true} | " + " | ".join(cells) + " |")
-    return lines

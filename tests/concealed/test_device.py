@@ -15,7 +15,8 @@ from benchmarks.concealed._converter import SampleHold
 from benchmarks.concealed._device import Device, Surroundings, simulate
 from benchmarks.concealed._effect import at_strength
 from benchmarks.concealed._key import SealBroken, open_key, seal
-from benchmarks.concealed._score import Row, score
+from benchmarks.concealed._row import Row
+from benchmarks.concealed._score import score
 from benchmarks.concealed._slow import Step, WarmUp
 from benchmarks.concealed._spectral import GaussMarkov, LowPass, Resonance, Sinusoid
 from benchmarks.concealed._strength import (
