@@ -1,7 +1,7 @@
 """The base of every effect beyond the five terms: what explain may name and simulate may add.
 
 An effect is one file here: its parameters with their units, what it does to samples, what it does
-to the spectrum if it has one, and two sentences for people. `catalogue` lists them all.
+to the spectrum if it has one, and two sentences for people. `_catalogue.py` lists them all.
 """
 
 import abc
@@ -21,13 +21,16 @@ class Parameter(NamedTuple):
     name: str
     #: With `u` for the unit of the channel: "u", "s", "Hz", "u^2/Hz", "u/K", "1/u", "" for none.
     unit: str
+    #: The field of the class that holds it, where a method has its name.
+    field: str = ""
 
 
 class AbstractEffect(eqx.Module):
     """Something that a sensor does beside Q, N, B, K and R.
 
-    Its fields are its parameters, under the same names: scalars, or one-dimensional arrays of
-    times [s]. The unit of the samples is u, times and frequencies are in s and Hz.
+    Its fields are its parameters, under the same names: scalars, times [s] of shape (n,), or
+    intervals [s] of shape (n, 2). The unit of the samples is u, times and frequencies are in s
+    and Hz.
     """
 
     #: As in explain's JSON.
@@ -71,11 +74,19 @@ class AbstractAddedNoise(AbstractEffect):
 
 
 class AbstractFilter(AbstractEffect):
-    """Something that multiplies the density of what the sensor feels."""
+    """Something that multiplies the density of what the sensor feels.
+
+    Its `apply` is for white noise, with the aliases that belong to it; `passed` is for noise that
+    is weak beyond the Nyquist frequency.
+    """
 
     @abc.abstractmethod
     def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """|H|^2 for white noise, as sampled: aliases of what the filter passes are folded in."""
+
+    @abc.abstractmethod
+    def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        """|H|^2 of the filter alone."""
 
 
 class AbstractMean(AbstractEffect):

@@ -35,24 +35,55 @@ class GaussMarkov(AbstractAddedNoise):
         rate = dt / self.correlation_time
         decay, gap = jnp.exp(-rate), -jnp.expm1(-rate)
         sine = jnp.sin(jnp.pi * frequency * dt) ** 2
-        point = 2 * dt * -jnp.expm1(-2 * rate) / (gap**2 + 4 * decay * sine)
+        denominator = gap**2 + 4 * decay * sine
+        point = -jnp.expm1(-2 * rate) / denominator
         if sampling == "point":
-            return self.sigma**2 * point
-        # The mean over the interval: the same shape and a white part (integrals of exp(-|t|/T_c)).
-        variance = 2 * (rate - gap) / rate**2
-        shaped = 2 * (jnp.cosh(rate) - 1) / rate**2
-        return self.sigma**2 * (2 * dt * (variance - shaped) + shaped * point)
+            return 2 * dt * self.sigma**2 * point
+        # The mean over the interval has the autocovariance of the point at every lag but zero,
+        # times (2 sinh(rate/2)/rate)^2, so that the rest of its density is white. That form
+        # overflows at large rates, and the other one cancels at small ones.
+        small, large = jnp.minimum(rate, 1.0), jnp.maximum(rate, 1.0)
+        shaped = (2 * jnp.sinh(small / 2) / small) ** 2 * point
+        slow = shaped - 2 * small * _sine_excess(small)
+        gap = -jnp.expm1(-large)
+        fast = 2 * (large - gap) + 2 * gap**2 * (gap - 2 * sine) / denominator
+        return 2 * dt * self.sigma**2 * jnp.where(rate < 1, slow, fast / large**2)
 
     def sample(
         self, key: PRNGKeyArray, samples: int, dt: float, sampling: Sampling
     ) -> Float[Array, " samples"]:
-        """The exact recursion, begun in its stationary state."""
-        decay = jnp.exp(-dt / self.correlation_time)
-        drive = jax.random.normal(key, (samples,))
-        drive = drive.at[1:].multiply(jnp.sqrt(-jnp.expm1(-2 * dt / self.correlation_time)))
+        """The exact recursion, begun in its stationary state, or means over its intervals.
+
+        Between two values the process is a bridge: the mean of the interval is the mean of both,
+        times tanh(rate/2)/(rate/2), plus an independent normal.
+        """
+        rate = dt / self.correlation_time
+        drive_key, bridge_key = jax.random.split(key)
+        drive = jax.random.normal(drive_key, (samples + 1,))
+        drive = drive.at[1:].multiply(jnp.sqrt(-jnp.expm1(-2 * rate)))
 
         def step(state, noise):
-            state = decay * state + noise
+            state = jnp.exp(-rate) * state + noise
             return state, state
 
-        return self.sigma * jax.lax.scan(step, jnp.zeros(()), drive)[1]
+        point = jax.lax.scan(step, jnp.zeros((), drive.dtype), drive)[1]
+        if sampling == "point":
+            return self.sigma * point[1:]
+        mean = jnp.tanh(rate / 2) / rate * (point[1:] + point[:-1])
+        bridge = jax.random.normal(bridge_key, (samples,))
+        return self.sigma * (mean + jnp.sqrt(_bridge_variance(rate)) * bridge)
+
+
+def _sine_excess(rate: Float[Array, ""]) -> Float[Array, ""]:
+    """(sinh(rate) - rate)/rate^3 for rates up to 1, by its series."""
+    square = rate**2
+    return (1 + square / 20 * (1 + square / 42 * (1 + square / 72 * (1 + square / 110)))) / 6
+
+
+def _bridge_variance(rate: Float[Array, ""]) -> Float[Array, ""]:
+    """(2 rate - 4 tanh(rate/2))/rate^2: of an interval's mean whose two ends are known."""
+    small, large = jnp.minimum(rate, 0.3), jnp.maximum(rate, 0.3)
+    square = small**2
+    # Good to 1e-7, which is more than a draw can show.
+    series = small / 6 * (1 - square / 10 * (1 - 17 / 168 * square * (1 - 31 / 306 * square)))
+    return jnp.where(rate < 0.3, series, (2 * large - 4 * jnp.tanh(large / 2)) / large**2)

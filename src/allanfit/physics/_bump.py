@@ -1,0 +1,45 @@
+"""A smooth excess or lack of noise about one frequency: the shape of what has no name."""
+
+from typing import ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from ._effect import AbstractFilter, Parameter
+from ._filtering import filtered
+from ._term import Sampling
+
+
+class Bump(AbstractFilter):
+    """The density times exp(height exp(-ln(f/f_0)^2/(2 width^2))), a Gaussian in ln f.
+
+    A description and no physics; a lack of noise has a negative height. The width is in e-folds
+    of frequency.
+    """
+
+    height: Float[Array, ""]
+    frequency: Float[Array, ""]
+    width: Float[Array, ""]
+    name: ClassVar[str] = "bump"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("height", ""),
+        Parameter("frequency", "Hz"),
+        Parameter("width", ""),
+    )
+    what: ClassVar[str] = "a bump or dip of the noise about one frequency"
+    origin: ClassVar[str] = "nothing that the catalogue has a name for"
+
+    def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        """The factor itself: it is about the noise as sampled."""
+        return self.passed(frequency, dt)
+
+    def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        """exp(height exp(-ln(f/f_0)^2/(2 width^2)))."""
+        distance = jnp.log(jnp.maximum(frequency / self.frequency, 1e-18)) / self.width
+        return jnp.exp(self.height * jnp.exp(-(distance**2) / 2))
+
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """Samples filtered; nothing is drawn."""
+        return filtered(samples, lambda frequency: self.gain(frequency, dt), dt)

@@ -1,0 +1,13 @@
+"""Intervals of time, as several effects have them."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+
+def inside(
+    time: Float[Array, " samples"], intervals: Float[Array, "intervals 2"]
+) -> Bool[Array, " samples"]:
+    """Which times lie in any of the intervals, starts included and ends not; all in s."""
+    started = jnp.searchsorted(jnp.sort(intervals[:, 0]), time, side="right")
+    ended = jnp.searchsorted(jnp.sort(intervals[:, 1]), time, side="right")
+    return started > ended

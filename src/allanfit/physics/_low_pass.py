@@ -1,0 +1,63 @@
+"""A low-pass filter between the sensor and its samples."""
+
+from typing import ClassVar
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from ._effect import AbstractFilter, Parameter
+from ._filtering import filtered
+from ._term import Sampling
+
+# Aliases summed on each side; an integral is taken for the rest.
+_ALIASES = 16
+
+
+class LowPass(AbstractFilter):
+    """|H|^2 = 1/(1 + (f/f_c)^(2 order)): Butterworth, f_c at -3 dB, of any order above 1/2.
+
+    White noise through an analogue filter keeps what passes beyond the Nyquist frequency f_N as
+    aliases, so that its gain at low frequency exceeds one where f_c is near f_N or above. Cut-off
+    frequencies up to 8 sampling rates have their aliases right.
+    """
+
+    cutoff_frequency: Float[Array, ""]
+    order: Float[Array, ""]
+    name: ClassVar[str] = "low_pass"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("cutoff_frequency", "Hz"),
+        Parameter("order", ""),
+    )
+    what: ClassVar[str] = "a low-pass filter"
+    origin: ClassVar[str] = "the sensor's own digital or analogue filter"
+
+    def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        """Sum over j of |H(f + j/dt)|^2."""
+
+        def add(total, alias):
+            return total + self.passed(frequency + alias / dt, dt), None
+
+        aliases = jnp.arange(-_ALIASES, _ALIASES + 1, dtype=frequency.dtype)
+        near = jax.lax.scan(add, jnp.zeros_like(frequency * self.order), aliases)[0]
+        edge = (_ALIASES + 0.5) / dt
+        return near + dt * (self._beyond(edge + frequency) + self._beyond(edge - frequency))
+
+    def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        """1/(1 + (f/f_c)^(2 order)), as a logistic function: neither it nor its slope overflows."""
+        # Zero frequency has no logarithm; this one, in cut-off frequencies, passes as well.
+        ratio = jnp.maximum(jnp.abs(frequency) / self.cutoff_frequency, 1e-18)
+        return jax.nn.sigmoid(-2 * self.order * jnp.log(ratio))
+
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """White noise filtered, aliases and all; nothing is drawn."""
+        return filtered(samples, lambda frequency: self.gain(frequency, dt), dt)
+
+    def _beyond(self, edge: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
+        """Integral of |H|^2 from `edge` on, by its series in falling powers [Hz]."""
+        power = 2 * self.order
+        ratio = jnp.exp(-power * jnp.log(edge / self.cutoff_frequency))
+        terms = ((-1) ** (k + 1) * ratio**k / (k * power - 1) for k in range(1, 7))
+        return edge * sum(terms, jnp.zeros(()))

@@ -1,0 +1,44 @@
+"""A sinusoid."""
+
+from typing import ClassVar
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from ._effect import AbstractMean, Parameter
+from ._term import Sampling
+
+
+class Sinusoid(AbstractMean):
+    """A sin(2 pi f t + phase), of constant amplitude A [u] and frequency f [Hz].
+
+    Above the Nyquist frequency it appears at its alias. The phase [rad] is no parameter of the
+    effect: left out, it is zero in `mean` and random in `apply`.
+    """
+
+    amplitude: Float[Array, ""]
+    frequency: Float[Array, ""]
+    phase: Float[Array, ""] | None = None
+    name: ClassVar[str] = "sinusoid"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("amplitude", "u"),
+        Parameter("frequency", "Hz"),
+    )
+    what: ClassVar[str] = "a sinusoid"
+    origin: ClassVar[str] = "mains, a fan, a pump or a clock near by"
+
+    def mean(self, time: Float[Array, " samples"]) -> Float[Array, " samples"]:
+        """A sin(2 pi f t + phase) [u]."""
+        phase = 0.0 if self.phase is None else self.phase
+        return self.amplitude * jnp.sin(2 * jnp.pi * self.frequency * time + phase)
+
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """Samples and sinusoid added."""
+        phase = self.phase
+        if phase is None:
+            phase = jax.random.uniform(key, maxval=2 * jnp.pi)
+        time = dt * jnp.arange(samples.shape[0])
+        return samples + Sinusoid(self.amplitude, self.frequency, phase).mean(time)

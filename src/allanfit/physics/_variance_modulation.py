@@ -1,0 +1,36 @@
+"""Noise that is stronger at some times than at others."""
+
+from typing import ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from ._effect import AbstractEffect, Parameter
+from ._filtering import running_mean
+from ._intervals import inside
+from ._term import Sampling
+
+
+class VarianceModulation(AbstractEffect):
+    """Within `intervals` [s] the fast noise is `ratio` times as strong as outside.
+
+    Fast is what differs from the running mean over a second.
+    """
+
+    ratio: Float[Array, ""]
+    intervals: Float[Array, "intervals 2"]
+    name: ClassVar[str] = "variance_modulation"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("ratio", ""),
+        Parameter("intervals", "s"),
+    )
+    what: ClassVar[str] = "noise whose strength changes with time"
+    origin: ClassVar[str] = "people, machines or a supply that come and go"
+
+    def apply(
+        self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
+    ) -> Float[Array, " samples"]:
+        """Samples, the fast part of some of them enlarged; nothing is drawn."""
+        fast = samples - running_mean(samples, dt)
+        excited = inside(dt * jnp.arange(samples.shape[0]), self.intervals)
+        return samples + jnp.where(excited, self.ratio - 1, 0.0) * fast
