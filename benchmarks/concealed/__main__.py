@@ -13,6 +13,7 @@ key is printed and stored before the first of them is analysed, and checked when
 import argparse
 import json
 import platform
+import shutil
 from importlib.metadata import version
 from pathlib import Path
 
@@ -53,6 +54,7 @@ def main(arguments=None):
     tiers.add_argument("--real", action="store_true", help="the tier of real backgrounds")
     tiers.add_argument("--known", action="store_true", help="the tier of known real recordings")
     parser.add_argument("--conceal", action="store_true", help="only make and seal the set")
+    parser.add_argument("--again", action="store_true", help="forget what was said before")
     parser.add_argument("--score", action="store_true", help="only open the key and score")
     options = parser.parse_args(arguments)
     count = options.recordings or (24 if options.quick else 1500)
@@ -70,6 +72,8 @@ def main(arguments=None):
             console.print(f"SHA-256 of the answer key: {digest}")
             if options.conceal:
                 return
+            if options.again:
+                shutil.rmtree(folder / "results", ignore_errors=True)
             task = bar.add_task("explaining", total=count)
             run(folder, options.workers, lambda: bar.advance(task))
     found, commits = rows(folder)

@@ -32,16 +32,19 @@ class Bins:
     """Geometric middle [Hz]."""
 
 
-def bins(device: Device, features: Sequence[tuple[float, float]] = ()) -> Bins:
-    """About 300 bins, and 200 more over four widths either side of each (frequency, width)."""
+def bins(device: Device, features: Sequence[tuple[float, float]] = (), lowest: int = 2) -> Bins:
+    """About 300 bins, and 200 more over four widths either side of each (frequency, width).
+
+    From 2/(2T) up, as the ramp is fitted; from `lowest` = 1 where that is done explicitly.
+    """
     n = device.samples
-    edges = [np.arange(2, 60), np.geomspace(60, n, 240)]
+    edges = [np.arange(lowest, 60), np.geomspace(60, n, 240)]
     for frequency, width in features:
         offsets = width * np.concatenate([[0], np.geomspace(0.02, 4, 100)])
         around = np.concatenate([frequency - offsets, frequency + offsets])
         edges.append(2 * device.duration * around)
     edges = np.unique(np.round(np.concatenate(edges)).astype(int))
-    edges = edges[(edges >= 2) & (edges <= n)]
+    edges = edges[(edges >= lowest) & (edges <= n)]
     first, last = edges[:-1], edges[1:] - 1
     return Bins(first, np.diff(edges), np.sqrt(first * last) / (2 * device.duration))
 
@@ -113,7 +116,7 @@ def information(
     features: Sequence[tuple[float, float]] = (),
 ) -> tuple[Bins, np.ndarray]:
     """What each bin adds to lambda for a device of `density` [u^2/Hz] and `mean` [u]."""
-    grid = bins(device, features)
+    grid = bins(device, features, 2 if mean is None else 1)
     design = basis(device, grid.frequency)
     true = (density or five_terms(device))(grid.frequency)
     if mean is None:
