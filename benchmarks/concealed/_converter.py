@@ -1,6 +1,7 @@
 """Causes in converter and logger, which leave the spectrum alone and show in the values.
 
-Their strength is that of a witness: how well one sees it who knows where to look.
+Their strength is that of a witness: how well one sees it who knows where to look. Those whose
+values give them away at once are drawn strong only, not to pad the figures at the threshold.
 """
 
 from dataclasses import dataclass, replace
@@ -53,7 +54,7 @@ class Outliers(Effect):
 @dataclass(frozen=True)
 class OutputRounding(Effect):
     name: ClassVar[str] = "output_rounding"
-    levels: ClassVar[tuple[int, ...]] = (25, 100, 400)
+    levels: ClassVar[tuple[int, ...]] = (100, 400)
     lsb: float
 
     @classmethod
@@ -87,6 +88,7 @@ class SampleHold(Effect):
     """Each entry repeats the last one with this chance: polled faster than converted."""
 
     name: ClassVar[str] = "sample_hold"
+    levels: ClassVar[tuple[int, ...]] = (100, 400, 10_000)
     chance: float
 
     @classmethod

@@ -332,7 +332,7 @@ def power(rows) -> dict:
             continue
         effect = row.effects[0]
         cell = table.setdefault(effect["name"], {}).setdefault(
-            f"{effect['lambda']:.0f}" if effect["lambda"] < 1000 else "1000", [0, 0, 0]
+            f"{float(format(effect['lambda'], '.2g')):.0f}", [0, 0, 0]
         )
         right = row.verdict == "unexplained" if effect["outside"] else row.names(effect)
         for i, answer in enumerate((row.alarm, right, True)):

@@ -220,6 +220,7 @@ class VibrationRectification(Effect):
     """Stretches of vibration, and a shift of the mean in proportion to its power."""
 
     name: ClassVar[str] = "vibration_rectification"
+    levels: ClassVar[tuple[int, ...]] = (60, 100, 400)
     inexact: ClassVar[tuple[str, ...]] = ("N",)
     coefficient: float
     loud: tuple[tuple[float, float], ...]
