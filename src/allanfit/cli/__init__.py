@@ -16,8 +16,8 @@ import numpy as np
 try:
     import typer
     from platformdirs import user_cache_path
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from ._progress import progress_bar
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
@@ -32,6 +32,7 @@ from ..recording import load, save
 from ..report import format_text, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
+from ._explain import explain
 from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
 
 app = typer.Typer(
@@ -72,7 +73,7 @@ def fit(
     """
     refuse_missing_folders(json, report)
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
-    with _progress() as progress:
+    with progress_bar() as progress:
         task = progress.add_task("reading", total=len(found.channels))
 
         def announce(name: str) -> None:
@@ -91,6 +92,9 @@ def fit(
             done=done,
         )
     _deliver(result, json, report)
+
+
+app.command()(explain)
 
 
 @app.command()
@@ -205,7 +209,7 @@ def demo(
 
     Example: allanfit demo
     """
-    with _progress() as progress:
+    with progress_bar() as progress:
         task = progress.add_task("simulating an hour of a consumer gyro", total=3)
 
         def announce(what: str) -> None:
@@ -241,19 +245,6 @@ def _deliver(result: RecordingFit, json: str | None, report: Path | None) -> Non
     if report is not None:
         write_page(document, report)
         typer.echo(f"\nPage with figures: {report}", err=True)
-
-
-def _progress() -> Progress:
-    console = Console(stderr=True)
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-    )
 
 
 def _configure_jax() -> None:

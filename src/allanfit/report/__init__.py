@@ -1,11 +1,14 @@
-"""Turn a fit document into text, JSON, figures and a page.
+"""Turn a fit or an explanation into text, JSON, figures and a page.
 
-Every function takes the plain dictionary of schema `allanfit.fit/1`, so a page can be made again
-from a stored JSON file. Start with `format_text`; `write_page` and `figure` need the extra
-`report` (`pip install allanfit[report]`), the other two need nothing.
+Every function takes the plain dictionary of schema `allanfit.fit/1`, or of `allanfit.explain/1`
+where its name says so, so that a page can be made again from a stored JSON file. Start with
+`format_text`; `write_page`, `write_explanation` and `figure` need the extra `report`
+(`pip install allanfit[report]`), the others need nothing.
 """
 
 from ._errors import ReportError as ReportError
+from ._explain_page import write_explanation as write_explanation
+from ._explain_text import format_explanation as format_explanation
 from ._figures import figure as figure
 from ._json import write_json as write_json
 from ._page import write_page as write_page

@@ -44,17 +44,23 @@ def svg(channel: Mapping[str, Any], subject: str, prefix: str) -> str:
     **Raises** `ReportError` when matplotlib is not installed.
     """
     with report_extra():
-        from ._panels import draw, style
+        from ._panels import draw
         from ._shares_panel import draw_shares
         from ._temperature_panel import draw_temperature
+    whole = {"shares": draw_shares, "temperature": draw_temperature}
+    if subject in whole:
+        return as_svg(whole[subject](channel), prefix)
+    return as_svg(draw(channel, (subject,), title=False), prefix)
+
+
+def as_svg(sheet: "matplotlib.figure.Figure", prefix: str) -> str:
+    """A figure as one SVG element, `prefix` before every identifier in it."""
+    from ._panels import style
+
     # Dates and library versions would make two equal reports differ.
     undated = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     stream = io.StringIO()
     with style():
-        whole = {"shares": draw_shares, "temperature": draw_temperature}
-        sheet = (
-            whole[subject](channel) if subject in whole else draw(channel, (subject,), title=False)
-        )
         sheet.savefig(stream, format="svg", metadata=undated)
     element = stream.getvalue()
     element = element[element.index("<svg") :]

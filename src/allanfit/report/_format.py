@@ -107,6 +107,32 @@ def p_value(probability: Number) -> str:
     return f"p = {significant(probability, 2)}"
 
 
+def percent(probability: Number | None) -> str:
+    """A probability in per cent, never rounded to certainty: `98 %`, `> 99.9 %`, `< 0.1 %`."""
+    if probability is None or not math.isfinite(probability):
+        return "undefined"
+    if probability > 0.999:
+        return "> 99.9 %"
+    if probability < 0.001:
+        return "< 0.1 %"
+    return f"{significant(100 * probability, 3 if probability > 0.99 else 2)} %"
+
+
+def beside_error(value: Number | None, error: Number | None) -> str:
+    """A value rounded at the place at which its standard error shows two digits."""
+    if value is None or error is None or not (_finite(value) and _finite(error) and error > 0):
+        return significant(value)
+    return _characters(_rounded(_exact(value), _exact(error).adjusted() - _SIGNIFICANT + 1), False)
+
+
+def with_error(value: Number | None, error: Number | None) -> str:
+    """A value and its standard error, both at one place: `247 ± 21`."""
+    shown = beside_error(value, error)
+    if error is None or not _finite(error) or error <= 0 or shown == "undefined":
+        return shown
+    return f"{shown} \N{PLUS-MINUS SIGN} {beside_error(error, error)}"
+
+
 def duration(seconds: Number) -> str:
     """A length of time in the largest unit that it fills: `90 s`, `2.5 min`, `1 h`, `3.5 days`."""
     for size, name in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):

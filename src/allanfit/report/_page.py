@@ -2,10 +2,8 @@
 
 import os
 from collections.abc import Mapping
-from importlib.resources import files
 from typing import Any
 
-from ._errors import report_extra
 from ._figures import svg
 from ._files import write_whole
 from ._rows import (
@@ -20,7 +18,7 @@ from ._rows import (
     temperature_sentence,
     warning_sentence,
 )
-from ._units import typeset
+from ._template import drawn, render
 
 
 def write_page(document: Mapping[str, Any], target: str | os.PathLike[str]) -> None:
@@ -42,15 +40,6 @@ def write_page(document: Mapping[str, Any], target: str | os.PathLike[str]) -> N
 
 
 def _page(document: Mapping[str, Any]) -> str:
-    with report_extra():
-        from jinja2 import Environment, StrictUndefined
-        from markupsafe import Markup
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["typeset"] = typeset
-    folder = files("allanfit.report")
-    template = environment.from_string(folder.joinpath("page.html.jinja").read_text("utf-8"))
     channels = [
         {
             "name": channel["channel"],
@@ -63,26 +52,25 @@ def _page(document: Mapping[str, Any]) -> str:
             "advice": advice_sentence(channel),
             "warning": warning_sentence(channel),
             "findings": channel["findings"],
-            # Drawn by us, every user's string in it escaped by matplotlib.
-            "allan": Markup(svg(channel, "allan", f"allan-{number}-")),
-            "psd": Markup(svg(channel, "psd", f"psd-{number}-")),
-            "shares": Markup(svg(channel, "shares", f"shares-{number}-"))
+            "allan": drawn(svg(channel, "allan", f"allan-{number}-")),
+            "psd": drawn(svg(channel, "psd", f"psd-{number}-")),
+            "shares": drawn(svg(channel, "shares", f"shares-{number}-"))
             if has_shares(channel)
             else "",
             "shares_caption": shares_caption(channel),
             "temperature": temperature_sentence(channel),
-            "heat": Markup(svg(channel, "temperature", f"temperature-{number}-"))
+            "heat": drawn(svg(channel, "temperature", f"temperature-{number}-"))
             if channel.get("temperature")
             else "",
             "heat_caption": temperature_caption(channel),
         }
         for number, channel in enumerate(document["channels"], start=1)
     ]
-    return template.render(
+    return render(
+        "page.html.jinja",
         recording=document["recording"],
         findings=document["findings"],
         version=document["allanfit_version"],
         checksum=document["checksum"],
-        style=Markup(folder.joinpath("style.css").read_text("utf-8")),
         channels=channels,
     )

@@ -17,9 +17,11 @@ from ._units import squared_per_hertz, typeset
 # Okabe and Ito's palette, which people with any common colour blindness tell apart. Terms that
 # are neighbours on the curve have colours that also differ in lightness.
 COLOURS = {"Q": "#CC79A7", "N": "#0072B2", "B": "#009E73", "K": "#D55E00", "R": "#E69F00"}
-_DATA_COLOUR = "#4D4D4D"
-_BAR_COLOUR = "#B3B3B3"
-_BAND_COLOUR = "#E6E6E6"
+DATA_COLOUR = "#4D4D4D"
+BAR_COLOUR = "#B3B3B3"
+BAND_COLOUR = "#E6E6E6"
+# Where a document keeps the points of each curve.
+POINTS = {"allan": ("tau_s", "deviation"), "psd": ("frequency_hz", "density")}
 _NORMAL_QUANTILE_95 = 1.959964
 _COLUMN_INCHES = (3.6, 4.8)
 _MARGIN_INCHES = (0.60, 0.10, 0.45, 0.06)  # left, right, bottom, top
@@ -87,7 +89,7 @@ class _Curve(NamedTuple):
         return np.log(self.data / self.model) / np.where(deviation > 0, deviation, np.nan)
 
 
-def _positive(numbers: Sequence[Number | None] | None, size: int) -> np.ndarray:
+def positive(numbers: Sequence[Number | None] | None, size: int) -> np.ndarray:
     """As an array with NaN for what a logarithmic axis cannot show."""
     if not numbers:
         return np.full(size, np.nan)
@@ -95,26 +97,28 @@ def _positive(numbers: Sequence[Number | None] | None, size: int) -> np.ndarray:
     return np.where(array > 0, array, np.nan)
 
 
+def axis_labels(kind: str, unit: str) -> tuple[str, str]:
+    """What stands along both axes of a curve ("allan" or "psd") of a channel in `unit`."""
+    if kind == "allan":
+        x_label = "averaging time \N{GREEK SMALL LETTER TAU} [s]"
+        return x_label, "Allan deviation" + (f" [{typeset(unit)}]" if unit else "")
+    return "frequency [Hz]", f"power spectral density [{typeset(squared_per_hertz(unit))}]"
+
+
 def _curve(channel: Mapping[str, Any], kind: str) -> _Curve:
     entry = channel["curves"][kind]
-    unit = channel["unit"]
-    if kind == "allan":
-        x, data = entry["tau_s"], entry["deviation"]
-        x_label = "averaging time \N{GREEK SMALL LETTER TAU} [s]"
-        y_label = "Allan deviation" + (f" [{typeset(unit)}]" if unit else "")
-    else:
-        x, data = entry["frequency_hz"], entry["density"]
-        x_label = "frequency [Hz]"
-        y_label = f"power spectral density [{typeset(squared_per_hertz(unit))}]"
+    x_key, data_key = POINTS[kind]
+    x, data = entry[x_key], entry[data_key]
+    x_label, y_label = axis_labels(kind, channel["unit"])
     size = len(x)
     low, high = entry.get("band_95") or (None, None)
-    terms = {name: _positive(values, size) for name, values in (entry.get("terms") or {}).items()}
+    terms = {name: positive(values, size) for name, values in (entry.get("terms") or {}).items()}
     return _Curve(
-        x=_positive(x, size),
-        data=_positive(data, size),
-        model=_positive(entry["model"], size),
-        low=_positive(low, size),
-        high=_positive(high, size),
+        x=positive(x, size),
+        data=positive(data, size),
+        model=positive(entry["model"], size),
+        low=positive(low, size),
+        high=positive(high, size),
         terms=terms,
         x_label=x_label,
         y_label=y_label,
@@ -124,7 +128,7 @@ def _curve(channel: Mapping[str, Any], kind: str) -> _Curve:
 def draw(channel: Mapping[str, Any], curves: Sequence[str], title: bool) -> Figure:
     """The curves ("allan", "psd") of a channel side by side, each above its residuals."""
     with style():
-        sheet, panels = _sheet(len(curves), _TITLE_INCHES if title else 0.0)
+        sheet, panels = empty_sheet(len(curves), _TITLE_INCHES if title else 0.0)
         if title:
             sheet.suptitle(channel["channel"], fontsize=9, fontweight="bold", parse_math=False)
         for column, kind in enumerate(curves):
@@ -134,8 +138,10 @@ def draw(channel: Mapping[str, Any], curves: Sequence[str], title: bool) -> Figu
         return sheet
 
 
-def _sheet(columns: int, room_for_title: float) -> tuple[Figure, np.ndarray]:
-    """An empty figure with two axes a column, one above the other.
+def empty_sheet(
+    columns: int, room_for_title: float = 0.0, heights: tuple[float, float] = (3, 1)
+) -> tuple[Figure, np.ndarray]:
+    """An empty figure with two axes a column, one above the other, of these relative heights.
 
     Margins are fixed, since labels are of one size: a layout engine would draw everything twice.
     """
@@ -148,7 +154,7 @@ def _sheet(columns: int, room_for_title: float) -> tuple[Figure, np.ndarray]:
         sharex="col",
         squeeze=False,
         gridspec_kw={
-            "height_ratios": (3, 1),
+            "height_ratios": heights,
             "left": left / (width * columns),
             "right": 1 - right / (width * columns),
             "bottom": bottom / height,
@@ -166,14 +172,14 @@ def _draw_curve(axes: Axes, curve: _Curve, coefficients: Mapping[str, Any]) -> N
     axes.set_ylabel(curve.y_label, parse_math=False)
     if not np.isfinite(curve.data).any():
         axes.set_xticks([])
-        _say_empty(axes)
+        say_empty(axes)
         return
     axes.set_xscale("log")
     axes.set_yscale("log")
     # Bars rather than a filled band, which would claim to know the curve between the points.
-    bars = axes.vlines(curve.x, curve.low, curve.high, color=_BAR_COLOUR, linewidth=0.9, zorder=2)
+    bars = axes.vlines(curve.x, curve.low, curve.high, color=BAR_COLOUR, linewidth=0.9, zorder=2)
     (points,) = axes.plot(
-        curve.x, curve.data, "o", color=_DATA_COLOUR, markersize=2.6, markeredgewidth=0, zorder=3
+        curve.x, curve.data, "o", color=DATA_COLOUR, markersize=2.6, markeredgewidth=0, zorder=3
     )
     (fit,) = axes.plot(curve.x, curve.model, color="black", zorder=2.8)
     _set_limits(axes, curve)
@@ -210,11 +216,11 @@ def _draw_residuals(axes: Axes, curve: _Curve) -> None:
     axes.set_ylabel("residual [\N{GREEK SMALL LETTER SIGMA}]")
     residual = curve.residual()
     if not np.isfinite(residual).any():
-        _say_empty(axes)
+        say_empty(axes)
         return
-    axes.axhspan(-_NORMAL_QUANTILE_95, _NORMAL_QUANTILE_95, color=_BAND_COLOUR, linewidth=0)
+    axes.axhspan(-_NORMAL_QUANTILE_95, _NORMAL_QUANTILE_95, color=BAND_COLOUR, linewidth=0)
     axes.axhline(0.0, color="black", linewidth=0.8)
-    axes.plot(curve.x, residual, "o", color=_DATA_COLOUR, markersize=2.6, markeredgewidth=0)
+    axes.plot(curve.x, residual, "o", color=DATA_COLOUR, markersize=2.6, markeredgewidth=0)
     limit = max(4.0, 1.15 * float(np.nanmax(np.abs(residual))))
     if limit > _LARGEST_LINEAR_RESIDUAL:
         # A gross misfit would flatten everything else on a linear axis.
@@ -228,7 +234,8 @@ def _draw_residuals(axes: Axes, curve: _Curve) -> None:
     axes.set_ylim(-limit, limit)
 
 
-def _say_empty(axes: Axes) -> None:
+def say_empty(axes: Axes) -> None:
+    """Words in place of points."""
     axes.grid(visible=False)
     axes.set_yticks([])
     axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center")

@@ -51,8 +51,14 @@ def draw_shares(channel: Mapping[str, Any]) -> Figure:
 
 def time_axis(edges: list[float]) -> tuple[np.ndarray, str]:
     """Times in the largest unit that they fill, and its name."""
-    _, size, unit = next(each for each in _TIME_UNITS if edges[-1] >= each[0])
+    size, unit = time_unit(edges[-1])
     return np.array(edges) / size, unit
+
+
+def time_unit(longest: float) -> tuple[float, str]:
+    """The largest unit that a time fills, in seconds, and its name."""
+    _, size, unit = next(each for each in _TIME_UNITS if longest >= each[0])
+    return size, unit
 
 
 def _draw_term(

@@ -1,0 +1,122 @@
+"""The answer of an explanation in sentences: does the model hold, and what is the evidence?"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ._explain_words import capitalised, listed, words
+from ._format import Number, beside_error, p_value, significant, with_error
+
+_UNNAMED = "bump"  # describes what no effect of the catalogue explains
+_SURE = 0.9  # of an effect; below, the sentence says "probably"
+_AGREES = 0.01  # p-value, as for a fit
+
+
+class Evidence(NamedTuple):
+    """One measure of how well the recording is described, before and after."""
+
+    what: str
+    before: str
+    after: str
+    remark: str
+    good: bool
+
+
+def verdict_sentence(channel: Mapping[str, Any]) -> str:
+    """Whether the five terms describe the recording, and what they leave out, in one sentence."""
+    verdict = channel["verdict"]
+    effects = [effect for effect in channel["effects"] if effect["name"] != _UNNAMED]
+    if verdict == "consistent":
+        return "The five-term model agrees with the recording: nothing left out is seen in it."
+    if not effects:
+        start = "The recording differs from the five-term model, and no effect of the catalogue"
+        if not channel["improvement"]:
+            return f"{start} explains how."
+        return f"{start} explains how; a smooth bump stands for it in the better model."
+    sure = min(effect["probability"] for effect in effects) >= _SURE
+    left_out = listed([words(effect["name"]) for effect in effects])
+    start = f"The five-term model {'' if sure else 'probably '}leaves out {left_out}"
+    if verdict == "unexplained":
+        return f"{start}, and something more that no effect of the catalogue explains."
+    return f"{start}; with {'it' if len(effects) == 1 else 'them'} it describes the recording."
+
+
+def chance_sentence(channel: Mapping[str, Any]) -> str:
+    """How often noise of five terms alone would look as different as this."""
+    chance = channel["false_alarm_probability"]
+    if chance is None:
+        return ""
+    return (
+        "A recording of five terms alone differs from them by as much with probability "
+        f"{_bare(chance)}."
+    )
+
+
+def simulation_sentence(channel: Mapping[str, Any]) -> str:
+    """What is wrong with the simulation compared with, "" where there was none."""
+    causes = [entry for entry in channel["mismatch"] if entry.get("cause")]
+    if not causes:
+        return ""
+    off = sorted({entry["coefficient"] for entry in causes if entry.get("coefficient")})
+    absent = any(entry["cause"] == "physics" for entry in causes)
+    parts = []
+    if off:
+        parts.append(f"{listed(off)} of the simulation {'is' if len(off) == 1 else 'are'} off")
+    elif not absent:
+        parts.append("coefficients of the simulation are off")
+    parts.append("physics is absent from it" if absent else "no physics is seen to be absent")
+    return capitalised(f"{', and '.join(parts)}.")
+
+
+def evidence_rows(channel: Mapping[str, Any]) -> list[Evidence]:
+    """Held-out log score and p-value, [] where no better model was tried."""
+    improvement = channel["improvement"]
+    if not improvement:
+        return []
+    rows = []
+    score = improvement.get("held_out_log_score")
+    if score:
+        difference, error = score["difference"], score["standard_error"]
+        rows.append(
+            Evidence(
+                "log score of data held out of the fit",
+                beside_error(score["before"], error),
+                beside_error(score["after"], error),
+                _gain(difference, error),
+                difference is not None and difference > 2 * (error or 0.0),
+            )
+        )
+    before, after = improvement.get("p_value_before"), improvement.get("p_value_after")
+    if before is not None or after is not None:
+        good = after is not None and after >= _AGREES
+        rows.append(
+            Evidence(
+                "goodness of fit",
+                probability(before),
+                probability(after),
+                "the better model agrees with the recording"
+                if good
+                else "the better model still differs from the recording",
+                good,
+            )
+        )
+    return rows
+
+
+def _gain(difference: Number | None, error: Number | None) -> str:
+    if difference is None:
+        return "not known"
+    way = "better" if difference > 0 else "worse"
+    shown = f"{way} by {with_error(abs(difference), error)}"
+    if not error:
+        return shown
+    return f"{shown}, {significant(abs(difference) / error, 2)} standard errors"
+
+
+def probability(value: Number | None) -> str:
+    """A p-value, "p undefined" where there is none."""
+    return "p undefined" if value is None else p_value(value)
+
+
+def _bare(value: Number) -> str:
+    """A probability without its letter: "0.0004", "< 1e-12"."""
+    return p_value(value).removeprefix("p = ").removeprefix("p ")

@@ -1,0 +1,46 @@
+"""Effects in words: what stands after "the five-term model leaves out"."""
+
+from collections import Counter
+from collections.abc import Sequence
+
+# An effect that is not here goes by its own name, so that a new one needs no entry.
+_WORDS = {
+    "gauss_markov": "exponentially correlated noise (Gauss-Markov)",
+    "sinusoid": "a sinusoid",
+    "drifting_line": "a line of drifting frequency",
+    "resonance": "a resonance",
+    "low_pass": "a low-pass filter",
+    "power_law": "power-law noise",
+    "random_telegraph": "random telegraph noise",
+    "temperature": "an effect of temperature",
+    "warm_up": "a warm-up",
+    "step": "steps of the mean",
+    "outliers": "outliers",
+    "output_rounding": "rounding of the output",
+    "sample_hold": "repeated samples (sample and hold)",
+    "dropped_samples": "dropped samples",
+    "saturation": "saturation",
+    "variance_modulation": "a changing noise level",
+    "vibration_rectification": "vibration rectification",
+    "disturbance": "disturbances",
+    "bump": "a smooth bump, which has no name",
+}
+
+
+def words(name: str) -> str:
+    """An effect's name as a phrase: "a sinusoid" for `sinusoid`."""
+    return _WORDS.get(name, name.replace("_", " "))
+
+
+def listed(phrases: Sequence[str]) -> str:
+    """Phrases as in a sentence, "a, b and c"; one that comes more than once with its number."""
+    counts = Counter(phrases)
+    told = [
+        f"{phrase} ({count} of them)" if count > 1 else phrase for phrase, count in counts.items()
+    ]
+    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+
+
+def capitalised(phrase: str) -> str:
+    """A phrase as a heading; `str.capitalize` would make small letters of the names in it."""
+    return phrase[:1].upper() + phrase[1:]
