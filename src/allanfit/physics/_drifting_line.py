@@ -39,7 +39,7 @@ class DriftingLine(AbstractAddedNoise):
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling
     ) -> Float[Array, "*shape"]:
         """A^2/2 times a normal density about the mean, folded at the Nyquist frequency."""
-        total = jnp.zeros(())
+        total = jnp.zeros_like(frequency)
         for image in (frequency - self.frequency, frequency + self.frequency):
             nearest = image - jnp.round(image * dt) / dt
             for alias in (-1, 0, 1):

@@ -60,4 +60,4 @@ class LowPass(AbstractFilter):
         power = 2 * self.order
         ratio = jnp.exp(-power * jnp.log(edge / self.cutoff_frequency))
         terms = ((-1) ** (k + 1) * ratio**k / (k * power - 1) for k in range(1, 7))
-        return edge * sum(terms, jnp.zeros(()))
+        return edge * sum(terms, jnp.zeros_like(edge))

@@ -71,7 +71,7 @@ def _hurwitz(power: Float[Array, ""], start: Float[Array, "*shape"]) -> Float[Ar
 
     Good to 1e-9 for powers of 2 to 5; that of JAX has no derivative by the power.
     """
-    total = sum(((start + j) ** -power for j in range(_DIRECT)), jnp.zeros(()))
+    total = sum(((start + j) ** -power for j in range(_DIRECT)), jnp.zeros_like(start))
     end = start + _DIRECT
     tail = end / (power - 1) + 1 / 2 + power / (12 * end)
     tail -= power * (power + 1) * (power + 2) / (720 * end**3)

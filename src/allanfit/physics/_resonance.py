@@ -143,7 +143,7 @@ def _lag(square: Float[Array, ""], decay: Float[Array, ""]) -> Float[Array, ""]:
     order = np.arange(1, 9)
     factor = 2 * order / np.cumprod((2.0 * order) * (2 * order + 1))
     small = jnp.clip(square, -1.0, 1.0)
-    series = decay * jnp.sum(jnp.asarray(factor) * small[..., None] ** order, axis=-1)
+    series = decay * jnp.polyval(jnp.asarray([*factor[::-1], 0.0], small.dtype), small)
     x = jnp.sqrt(jnp.maximum(jnp.abs(square), 1.0))
     trigonometric = jnp.cos(x) - jnp.sin(x) / x
     gone = jnp.exp(-2 * x)
@@ -161,12 +161,13 @@ def _folded(
     """Continuous density through sinc^2(f dt), aliases summed: they fall as f^-6 [1/Hz]."""
     quality = jnp.maximum(quality, 0.5)
 
-    def alias(order):
+    def add(total, order):
         ratio = (frequency + order / dt) / resonant
         shape = 1 / (((1 - ratio) * (1 + ratio)) ** 2 + (ratio / quality) ** 2)
-        return shape * jnp.sinc(frequency * dt + order) ** 2
+        return total + shape * jnp.sinc(frequency * dt + order) ** 2, None
 
-    total = sum((alias(order) for order in range(-_ALIASES, _ALIASES + 1)), jnp.zeros(()))
+    orders = jnp.arange(-_ALIASES, _ALIASES + 1, dtype=frequency.dtype)
+    total = jax.lax.scan(add, jnp.zeros_like(frequency * resonant * quality), orders)[0]
     return 2 / (jnp.pi * resonant * quality) * total
 
 
@@ -178,10 +179,10 @@ def _averaged_atom(
 ) -> Float[Array, "*shape"]:
     """Density of the means over intervals of a fast resonance [1/Hz].
 
-    That of Gauss-Markov noise with a complex rate, times 1 + i a/b. Critical damping is taken at
-    a Q 0.1 % above 1/2, where a/b is still small enough.
+    That of Gauss-Markov noise with a complex rate, times 1 + i a/b. Critical damping is taken a
+    millionth above 1/2, where a/b is still small enough.
     """
-    damping, turn = _motion(resonant, quality, dt, 0.5005)
+    damping, turn = _motion(resonant, quality, dt, 0.5000005)
     rate = jax.lax.complex(damping, turn)
     decay = jnp.exp(-rate)
     gap = 1 - decay

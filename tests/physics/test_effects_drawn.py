@@ -1,0 +1,285 @@
+"""What effects do to samples: draws against densities, and against other people's recipes."""
+
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.signal import butter, sosfilt
+
+from allanfit.physics import (
+    Bump,
+    Disturbance,
+    DriftingLine,
+    DroppedSamples,
+    GaussMarkov,
+    LowPass,
+    Outliers,
+    OutputRounding,
+    PowerLaw,
+    RandomTelegraph,
+    Resonance,
+    SampleHold,
+    Saturation,
+    Sinusoid,
+    Step,
+    Temperature,
+    VarianceModulation,
+    VibrationRectification,
+    WarmUp,
+)
+
+DT = 0.01
+KEY = jax.random.key(11)
+SAMPLES, RECORDS = 256, 3000
+LAGS = np.array([1, 2, 5, 20, 100])
+
+
+def made(effect, *values):
+    return effect(*(jnp.asarray(float(value)) for value in values))
+
+
+def band_nodes(*peak):
+    """Nodes and weights over (0, 50 Hz), finer towards zero and about a peak."""
+    edges = [np.geomspace(1e-12, 50, 60), np.linspace(0, 50, 101)]
+    if peak:
+        edges.append(peak[0] + peak[1] * np.linspace(-30, 30, 121))
+    edges = np.unique(np.clip(np.concatenate(edges), 0, 50))
+    node, weight = np.polynomial.legendre.leggauss(12)
+    frequency = np.diff(edges)[:, None] * (node + 1) / 2 + edges[:-1, None]
+    return frequency.ravel(), (np.diff(edges)[:, None] / 2 * weight).ravel()
+
+
+NOISES = {
+    "gauss_markov": (made(GaussMarkov, 0.7, 0.05), ()),
+    "resonance": (made(Resonance, 0.7, 13.0, 6.0), (13.0, 1.0)),
+    "critical resonance": (made(Resonance, 0.7, 3.0, 0.5), ()),
+    "power_law, 0.4": (made(PowerLaw, 0.4, 0.3), ()),
+    "power_law, 1.5": (made(PowerLaw, 1.5, 0.3), ()),
+    "power_law, 2.5": (made(PowerLaw, 2.5, 0.3), ()),
+    "drifting_line": (made(DriftingLine, 0.7, 13.0, 1.5), (13.0, 1.0)),
+    "random_telegraph": (made(RandomTelegraph, 0.7, 0.08), ()),
+}
+AVERAGED = ("gauss_markov", "resonance", "power_law, 1.5", "random_telegraph")
+
+
+@pytest.mark.parametrize(
+    ("name", "sampling"),
+    [(name, "point") for name in NOISES]
+    # The others average as these do.
+    + [(name, "averaged") for name in NOISES if name in AVERAGED],
+)
+def test_draws_have_the_density(name, sampling):
+    """Half the mean square of differences over five lags, and the variance where there is one.
+
+    3000 records of 256; |z| < 4.5 of six statistics, false alarm 4e-5 a case, the key being fixed.
+    Power laws are drawn as periodic over twice the record, which may cost them 2 %.
+    """
+    noise, peak = NOISES[name]
+    frequency, weight = band_nodes(*peak)
+    density = np.asarray(noise.density(jnp.asarray(frequency), DT, sampling)) * weight
+    waves = 2 * np.sin(np.pi * frequency * DT * LAGS[:, None]) ** 2
+    draw = jax.jit(jax.vmap(lambda key: noise.sample(key, SAMPLES, DT, sampling)))
+    drawn = np.asarray(draw(jax.random.split(KEY, RECORDS)))
+    start = 70
+    found = (drawn[:, start + LAGS] - drawn[:, [start]]) ** 2 / 2
+    expected = waves @ density
+    if "power_law" not in name:
+        found = np.column_stack([found, drawn[:, start] ** 2])
+        expected = np.append(expected, density.sum())
+    error = found.std(axis=0) / np.sqrt(RECORDS)
+    # The levels of telegraph noise have one square, and no error.
+    slack = expected * (0.02 if "power_law" in name else 1e-9)
+    assert np.all(np.abs(found.mean(axis=0) - expected) < 4.5 * error + slack)
+
+
+def periodogram_bins(records):
+    """Means over octaves of bins and over records, under a Hann window [u^2/Hz]."""
+    count = records.shape[1]
+    window = np.hanning(count + 1)[:-1]
+    spectrum = np.abs(np.fft.rfft((records - records.mean()) * window)) ** 2
+    density = 2 * DT * spectrum / np.sum(window**2)
+    edges = np.array([4, 8, 16, 32, 64, 128, 256, count // 2])
+    bins = np.stack([density[:, a:b].mean(axis=1) for a, b in pairwise(edges)])
+    frequency = np.arange(count // 2 + 1) / (count * DT)
+    return bins.T, frequency, edges
+
+
+def agrees(records, density, tolerance=0.02):
+    """Octaves of the periodogram within 4.5 standard errors and a tolerance of the density."""
+    bins, frequency, edges = periodogram_bins(records)
+    curve = np.asarray(density(jnp.asarray(frequency[1:])))
+    expected = np.array([curve[a - 1 : b - 1].mean() for a, b in pairwise(edges)])
+    error = bins.std(axis=0) / np.sqrt(len(records))
+    return np.all(np.abs(bins.mean(axis=0) - expected) < 4.5 * error + tolerance * expected)
+
+
+def test_another_recipe_of_a_resonance():
+    """Stormer-Verlet in 32 steps a sample, 400 records of 1024. False alarm about 5e-5."""
+    random, parts = np.random.default_rng(1), 32
+    omega, quality, step = 2 * np.pi * 9.0, 3.0, DT / 32
+    x, v = np.zeros((2, 400))
+    records = np.empty((400, 1024 + 64))
+    for k in range(records.shape[1]):
+        records[:, k] = x
+        push = np.sqrt(2 * omega**3 / quality * step) * 0.7 * random.standard_normal((parts, 400))
+        for kick in push:
+            x = x + v * step / 2
+            v = v * np.exp(-omega / quality * step) - omega**2 * x * step + kick
+            x = x + v * step / 2
+    noise = made(Resonance, 0.7, 9.0, 3.0)
+    assert agrees(records[:, 64:], lambda f: noise.density(f, DT, "point"))
+    other = made(Resonance, 0.7, 9.0, 3.6)
+    assert not agrees(records[:, 64:], lambda f: other.density(f, DT, "point"))
+
+
+def test_another_recipe_of_telegraph_noise():
+    """Exponential times between switches, looked up: 400 records. False alarm about 5e-5."""
+    random = np.random.default_rng(2)
+    switches = np.cumsum(random.exponential(0.08, (400, 400)), axis=1)
+    assert switches[:, -1].min() > 10.24
+    time = np.arange(1024) * DT
+    count = np.stack([np.searchsorted(each, time) for each in switches])
+    records = 0.7 * ((count + random.integers(0, 2, (400, 1))) % 2 - 0.5)
+    noise = made(RandomTelegraph, 0.7, 0.08)
+    assert agrees(records, lambda f: noise.density(f, DT, "point"))
+    assert not agrees(records, lambda f: 1.1 * noise.density(f, DT, "point"))
+
+
+def test_another_recipe_of_a_filter():
+    """SciPy's Butterworth at 16 times the rate, then every 16th sample. False alarm about 5e-5."""
+    random = np.random.default_rng(3)
+    for order, cutoff in ((2, 45.0), (3, 60.0)):
+        white = random.standard_normal((200, 16 * 1100)) * np.sqrt(0.5 * 16 / DT)
+        fine = sosfilt(butter(order, cutoff, fs=16 / DT, output="sos"), white)
+        low_pass = made(LowPass, cutoff, order)
+        assert agrees(fine[:, 16 * 76 :: 16], lambda f, each=low_pass: each.gain(f, DT))
+        assert not agrees(fine[:, 16 * 76 :: 16], lambda f, each=low_pass: each.passed(f, DT))
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        made(LowPass, 20.0, 2.0),
+        made(Bump, 1.2, 8.0, 0.4),
+        made(Bump, -1.2, 20.0, 0.4),
+        made(SampleHold, 3.0),
+        made(SampleHold, 2.4),
+    ],
+    ids=["low_pass", "bump", "dip", "hold 3", "hold 2.4"],
+)
+def test_filters_do_to_white_noise_as_they_say(effect):
+    """400 records of 1024; false alarm about 5e-5."""
+    white = jax.random.normal(KEY, (400, 1024)) * np.sqrt(0.5 / DT)
+    keys = jax.random.split(KEY, 400)
+    records = jax.jit(jax.vmap(lambda key, each: effect.apply(key, each, DT, "point")))(keys, white)
+    assert agrees(np.asarray(records), lambda f: effect.gain(f, DT))
+    assert not agrees(np.asarray(white), lambda f: effect.gain(f, DT))
+
+
+def test_filters_pass_a_mean():
+    samples = 5.0 + jnp.sin(jnp.arange(200.0))
+    for effect in (made(LowPass, 120.0, 1.0), made(Bump, 1.0, 8.0, 0.4)):
+        assert effect.apply(KEY, samples, DT, "point").mean() == pytest.approx(samples.mean())
+
+
+ZEROS = jnp.zeros(1000)
+TIME = DT * np.arange(1000)
+
+
+def test_a_sinusoid():
+    fixed = Sinusoid(jnp.asarray(2.0), jnp.asarray(3.0), jnp.asarray(0.5))
+    expected = 2 * np.sin(2 * np.pi * 3 * TIME + 0.5)
+    np.testing.assert_allclose(fixed.apply(KEY, ZEROS, DT, "point"), expected, atol=1e-12)
+    free = made(Sinusoid, 2.0, 3.0)
+    one, other = (free.apply(jax.random.key(seed), ZEROS, DT, "point") for seed in (0, 1))
+    assert jnp.std(one) == pytest.approx(2**0.5)
+    assert jnp.abs(one - other).max() > 0.1
+    np.testing.assert_allclose(free.mean(jnp.asarray(TIME)), 2 * np.sin(6 * np.pi * TIME))
+
+
+def test_warm_up_and_steps():
+    found = made(WarmUp, -2.0, 3.0).apply(KEY, ZEROS, DT, "point")
+    np.testing.assert_allclose(found, -2 * np.exp(-TIME / 3))
+    times = jnp.array([5.0, 2.0])
+    both = Step(jnp.array([1.0, 10.0]), times).apply(KEY, ZEROS, DT, "point")
+    np.testing.assert_allclose(both, 1.0 * (TIME >= 5) + 10.0 * (TIME >= 2))
+    same = Step(jnp.asarray(3.0), times).apply(KEY, ZEROS, DT, "point")
+    np.testing.assert_allclose(same, 3.0 * (TIME >= 5) + 3.0 * (TIME >= 2))
+
+
+def test_disturbances_mark_and_change_nothing():
+    disturbance = Disturbance(jnp.array([[7.0, 8.0], [1.0, 2.0], [1.5, 3.0]]))
+    marked = ((TIME >= 1) & (TIME < 3)) | ((TIME >= 7) & (TIME < 8))
+    np.testing.assert_array_equal(disturbance.marks(jnp.asarray(TIME)), marked)
+    np.testing.assert_array_equal(disturbance.apply(KEY, ZEROS, DT, "point"), ZEROS)
+
+
+def test_temperature_is_slow_and_of_one_kelvin():
+    """Variance over 400 keys: a fifth is four standard errors, false alarm 1e-4."""
+    keys = jax.random.split(KEY, 400)
+    effect = made(Temperature, 0.3, 60.0)
+    drawn = jax.vmap(lambda key: effect.apply(key, ZEROS, DT, "point"))(keys)
+    assert jnp.mean(drawn[:, -1] ** 2) == pytest.approx(0.3**2, rel=0.28)
+    assert jnp.mean((drawn[:, 100] - drawn[:, 0]) ** 2) < 0.1 * 0.3**2
+    silent = Temperature(time_scale=jnp.asarray(60.0))
+    np.testing.assert_array_equal(silent.apply(KEY, ZEROS, DT, "point"), ZEROS)
+
+
+def test_outliers():
+    """Count and rms of 1e5 samples, within 4.5 standard errors: false alarm 1e-5."""
+    found = made(Outliers, 0.01, 5.0).apply(KEY, jnp.zeros(100_000), DT, "point")
+    hit = np.asarray(found[found != 0])
+    assert abs(len(hit) - 1000) < 4.5 * 1000**0.5
+    assert abs(np.mean(hit**2) / 25 - 1) < 4.5 * (2 / len(hit)) ** 0.5
+
+
+def test_rounding_and_saturation():
+    samples = jnp.array([-0.9, -0.26, 0.1, 0.6])
+    rounded = made(OutputRounding, 0.5).apply(KEY, samples, DT, "point")
+    np.testing.assert_array_equal(rounded, [-1.0, -0.5, 0.0, 0.5])
+    clipped = made(Saturation, 0.5).apply(KEY, samples, DT, "point")
+    np.testing.assert_array_equal(clipped, [-0.5, -0.26, 0.1, 0.5])
+
+
+def test_dropped_samples_close_up():
+    """The number dropped of 1e4 within 4.5 standard errors: false alarm 1e-5."""
+    effect = made(DroppedSamples, 0.1)
+    found = np.asarray(effect.apply(KEY, jnp.arange(10_000.0), DT, "point"))
+    last = int(found.argmax())
+    assert abs(last - 9000) < 4.5 * 900**0.5 + 1
+    kept = found[: last + 1]
+    assert set(np.diff(kept)) <= {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}
+    np.testing.assert_array_equal(found[last:], found[last : 2 * last - 9999 - 1 : -1])
+    enough = effect.enough(10_000)
+    longer = np.asarray(effect.apply(KEY, jnp.arange(float(enough)), DT, "point"))
+    assert np.all(np.diff(longer[:10_000]) > 0)
+    assert enough < 11_400
+
+
+def test_held_samples_repeat():
+    samples = jnp.arange(12.0)
+    found = made(SampleHold, 3.0).apply(KEY, samples, DT, "point")
+    np.testing.assert_array_equal(found, np.repeat([0.0, 3.0, 6.0, 9.0], 3))
+    held = made(SampleHold, 1.25).apply(KEY, jnp.arange(100_000.0), DT, "point")
+    # Repeats of 1e5 samples, 4.5 standard errors: false alarm 1e-5.
+    assert np.mean(np.diff(held) == 0) == pytest.approx(0.2, abs=4.5 * 0.4 / 1e5**0.5)
+
+
+def test_stronger_noise_in_its_intervals_alone():
+    noise = jax.random.normal(KEY, (100_000,))
+    slow = 20 * jnp.sin(2 * jnp.pi * 0.01 * DT * jnp.arange(100_000))
+    effect = VarianceModulation(jnp.asarray(3.0), jnp.array([[100.0, 300.0]]))
+    change = np.asarray(effect.apply(KEY, noise + slow, DT, "point") - noise - slow)
+    inside = slice(10_000, 30_000)
+    assert np.abs(np.delete(change, np.r_[inside])).max() < 1e-12
+    assert change[inside].std() == pytest.approx(2.0, rel=0.03)
+    assert abs(np.corrcoef(change[inside], slow[inside])[0, 1]) < 0.05
+
+
+def test_vibration_shifts_the_bias():
+    noise = jax.random.normal(KEY, (100_000,)) * jnp.where(jnp.arange(100_000) < 50_000, 1.0, 2.0)
+    shifted = made(VibrationRectification, 0.1).apply(KEY, noise, DT, "point") - noise
+    assert shifted[:49_000].mean() == pytest.approx(0.1, rel=0.03)
+    assert shifted[51_000:].mean() == pytest.approx(0.4, rel=0.03)
