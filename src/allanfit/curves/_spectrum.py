@@ -64,15 +64,19 @@ class RampProjection(eqx.Module):
         first = np.arange(samples - 1) == 0
         self.mix = np.where(first, 1.0, self.direction / (1 + self.direction[0]))
 
-    def __call__(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
-        """Squares of the projected coefficients of order 2 and up [u^2]."""
+    def project(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
+        """Coefficients of order 2 and up that no ramp can change [u]; linear in its argument."""
         weight, direction, mix = (
             jnp.asarray(array, coefficients.dtype)
             for array in (self.weight, self.direction, self.mix)
         )
         weighted = coefficients * weight
         rest = weighted - direction * jnp.sum(weighted * mix)
-        return (rest[1:] / weight[1:]) ** 2
+        return rest[1:] / weight[1:]
+
+    def __call__(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
+        """Squares of the projected coefficients of order 2 and up [u^2]."""
+        return self.project(coefficients) ** 2
 
     def expectation(
         self, variance: Float[Array, " modes"] | Float[np.ndarray, " modes"]

@@ -74,11 +74,11 @@ def about_samples(
     sigma = float(np.median((windows - windows[:, :1]).std(axis=1)))
     # Values held for longer than a window show no noise in it and need not be coarse for that.
     coarse = width > 0.75 * (sigma or np.std(_fresh(values)))
-    rails = () if coarse else _rails(values, width)
+    ends = () if coarse else rails(values, width)
     return (
         *_about_lost(samples, stretches, values.size, rate_hz),
-        *_about_rails(values, rails, unit),
-        *_about_repeats(values, rails, width),
+        *_about_rails(values, ends, unit),
+        *_about_repeats(values, ends, width),
         *(_about_width(values, width, sigma, unit) if coarse else ()),
     )
 
@@ -145,40 +145,41 @@ def _about_lost(
     return findings
 
 
-def _rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, ...]:
+def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, ...]:
     """The extreme values at which samples pile up."""
     # A value that is held counts once, however long it is.
     fresh = _fresh(values)
-    rails = []
+    found = []
     for rail in (fresh.min(), fresh.max()):
         at_rail = np.count_nonzero(fresh == rail)
         next_code = np.count_nonzero(np.abs(fresh - rail) < 1.5 * width) - at_rail
         if at_rail > max(10, 1e-4 * fresh.size, 3 * next_code):
-            rails.append(float(rail))
-    return tuple(rails)
+            found.append(float(rail))
+    return tuple(found)
 
 
 def _about_rails(
-    values: Float64[np.ndarray, " usable"], rails: tuple[float, ...], unit: str
+    values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], unit: str
 ) -> tuple[str, ...]:
     return tuple(
         f"{percent(np.mean(values == rail))} of the samples stand exactly at the extreme value "
         f"{quantity(rail, unit)}: the output was saturated."
-        for rail in rails
+        for rail in ends
     )
 
 
-def _about_repeats(
-    values: Float64[np.ndarray, " usable"], rails: tuple[float, ...], width: float
-) -> tuple[str, ...]:
-    """Samples that repeat the one before, where rounding alone would not make them.
+def repeated(
+    values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], width: float
+) -> tuple[float, float, bool]:
+    """Share of samples that repeat the one before, what chance explains, whether it is beyond.
 
     First differences of noise are log-concave in distribution, so two bins next to zero bound
     what zero may hold by chance. Values mixed from coarser codes make other steps frequent too,
     so zero has to stand out of these as well. Held samples do both, however coarse the codes are.
+    Samples at the `ends` of the range do not count.
     """
     steps = np.diff(values)
-    steps = steps[~np.isin(values[1:], rails)]
+    steps = steps[~np.isin(values[1:], ends)]
     repeats = np.count_nonzero(steps == 0) / values.size
     changes = steps[steps != 0]
     codes = np.round(np.abs(changes[:_ENOUGH]) / width)
@@ -189,12 +190,20 @@ def _about_repeats(
     far = np.count_nonzero((codes > bin_codes) & (codes <= 2 * bin_codes)) * scale
     if far < 0.1 * near:
         # Hardly a step of more than one code: rounding explains any number of repeats.
-        return ()
+        return float(repeats), 1.0, False
     chance = max(
         near * (near / far) ** ((bin_codes + 1) / (2 * bin_codes)),
         np.unique_counts(codes).counts.max() / codes.size * changes.size / (2 * steps.size),
     )
-    if repeats < max(0.01 + chance, 1.5 * chance, 10 / values.size):
+    beyond = repeats >= max(0.01 + chance, 1.5 * chance, 10 / values.size)
+    return float(repeats), float(chance), bool(beyond)
+
+
+def _about_repeats(
+    values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], width: float
+) -> tuple[str, ...]:
+    repeats, chance, beyond = repeated(values, ends, width)
+    if not beyond:
         return ()
     return (
         f"{percent(repeats)} of the samples repeat the one before, where chance explains "

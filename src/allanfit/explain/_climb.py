@@ -1,0 +1,190 @@
+"""Fisher scoring of a structure from many starts at once.
+
+What each effect puts into the bins, and its derivatives, come from JAX, vmapped over the starts and
+compiled once an effect. The loop around them is on the host: compiled, it would have to be compiled
+anew for every structure, which takes longer than all its steps.
+"""
+
+from functools import partial
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active, added_density, shaped
+
+_STEPS = 60
+# Less than this in twice the log-likelihood is as good as nothing.
+_GAIN = 1e-4
+_LONGEST_STEP = 3.0
+
+Starts = Float[np.ndarray, "starts parameters"]
+
+
+def climb(starts: Starts, kinds: Kinds, data: Data) -> tuple[Starts, Float[np.ndarray, " starts"]]:
+    """Where each start leads, and the deviance there."""
+    moving = active(kinds, data.terms)
+
+    def mean(theta):
+        return _mean(theta, kinds, data, slopes=False)[0]
+
+    def slopes(theta):
+        return _mean(theta, kinds, data, slopes=True)
+
+    return _ascend(np.array(starts), moving, mean, slopes, data)
+
+
+def rescale(
+    theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
+) -> tuple[Float[np.ndarray, " parameters"], float]:
+    """The best powers of all terms and added noises, their shapes held: quick, mostly enough."""
+    sizes = np.concatenate(
+        [np.arange(TERMS), kinds.first_slot + EACH * np.arange(len(kinds.added))]
+    )
+    moving = active(kinds, data.terms)[sizes]
+    columns, bump, added = _parts(theta[None], kinds, data)
+    rows = [columns[0].T]
+    rows += [
+        (density[0] * bump[0] / np.exp(max(theta[place], FLOOR)))[None]
+        for density, place in zip(added, sizes[TERMS:], strict=True)
+    ]
+    unit = np.concatenate(rows)
+    foreign = float(data.foreign) * bump[0]
+
+    def slopes(logs):
+        parts = np.where(moving, np.exp(np.clip(logs, FLOOR, 60)), 0.0)[..., None] * unit
+        total = parts.sum(axis=1) + foreign
+        return total, np.moveaxis(parts / total[:, None], 1, 2)
+
+    reached, value = _ascend(
+        np.array(theta[sizes][None]), moving, lambda logs: slopes(logs)[0], slopes, data
+    )
+    best = np.array(theta)
+    best[sizes] = reached[0]
+    return best, float(value[0])
+
+
+def expected_density(
+    theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
+) -> Float[np.ndarray, " bins"]:
+    """The expected density of each bin [u^2]."""
+    return _mean(theta[None], kinds, data, slopes=False)[0][0]
+
+
+def _parts(theta: Starts, kinds: Kinds, data: Data):
+    """Columns of the terms, the bump, and what each added noise puts into each bin."""
+    folded, passed, bump = _shape(theta, kinds, data, slopes=False)[0]
+    shape = np.stack([np.ones_like(folded), folded * data.holding, passed, passed], axis=2)
+    columns = np.asarray(data.bins.expected) * shape * bump[..., None]
+    slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
+    added = [
+        np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples))
+        for i, name in enumerate(kinds.added)
+    ]
+    return columns, bump, added
+
+
+def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
+    """Filter and bump of each start, and their derivatives."""
+    if kinds.shaping is None:
+        one = np.ones((len(theta), len(data.bins.nodes)))
+        return (one, one, one), None
+    three = theta[:, TERMS : TERMS + EACH]
+    values = _gains(kinds.shaping, three, data.bins.nodes, data.samples)
+    derivatives = None
+    if slopes:
+        found = _gain_slopes(kinds.shaping, three, data.bins.nodes, data.samples)
+        derivatives = tuple(np.asarray(each) for each in found)
+    return tuple(np.asarray(value) for value in values), derivatives
+
+
+def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
+    """The expected density for each start, shape (starts, bins), and d ln of it/d theta."""
+    columns, bump, added = _parts(theta, kinds, data)
+    terms = np.asarray(data.terms)
+    power = np.where(terms, np.exp(np.clip(theta[:, :TERMS], FLOOR, 60)), 0.0)
+    noise = columns * power[:, None]
+    inner = noise.sum(axis=2) + float(data.foreign) * bump
+    total = inner + sum((each * bump for each in added), np.zeros_like(bump))
+    if not slopes:
+        return total, None
+    parts = [noise]
+    if kinds.shaping is not None:
+        _, found = _shape(theta, kinds, data, slopes=True)
+        assert found is not None
+        folded, passed, bumped = found
+        plain = np.asarray(data.bins.expected) * power[:, None]
+        slope = folded * (plain[..., 1] * data.holding * bump)[..., None]
+        slope = slope + passed * ((plain[..., 2] + plain[..., 3]) * bump)[..., None]
+        parts.append(slope + bumped * (total / bump)[..., None])
+    slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
+    for i, name in enumerate(kinds.added):
+        slope = _density_slopes(name, slots[:, i], data.bins.nodes, data.samples)
+        parts.append(np.asarray(slope) * bump[..., None])
+    return total, np.concatenate(parts, axis=2) / total[..., None]
+
+
+def _ascend(theta, moving, mean, slopes, data: Data):
+    """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
+    density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
+
+    def deviance(total):
+        with np.errstate(all="ignore"):
+            excess = density / total - 1
+            value = np.sum(2 * shape * (excess - np.log1p(excess)), axis=1)
+        return np.where(np.isfinite(value), value, np.inf)
+
+    value = deviance(mean(theta))
+    damping = np.full(len(theta), 1e-2)
+    still = np.ones(len(theta), bool)
+    identity = np.eye(theta.shape[1])
+    for _ in range(_STEPS):
+        total, slope = slopes(theta)
+        slope = np.where(moving & np.isfinite(slope), slope, 0.0)
+        # The information of a Gamma variate on ln m is its shape.
+        weighted = slope * shape[:, None]
+        normal = np.einsum("sbi,sbj->sij", weighted, slope)
+        with np.errstate(all="ignore"):
+            gradient = np.einsum("sbi,sb->si", weighted, np.nan_to_num(density / total - 1))
+        diagonal = np.einsum("sii->si", normal)
+        scale = diagonal + 1e-12 * diagonal.sum(axis=1, keepdims=True) + 1e-30
+        moved = np.zeros(len(theta), bool)
+        for factor in (0.1, 10.0):
+            weight = (factor * damping[:, None] * scale + ~moving)[..., None] * identity
+            step = np.linalg.solve(normal + weight, gradient[..., None])[..., 0]
+            tried = theta + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
+            reached = deviance(mean(tried))
+            better = (reached < value) & ~moved & still
+            gained = np.where(better, value - reached, 0.0)
+            theta = np.where(better[:, None], tried, theta)
+            value = np.where(better, reached, value)
+            damping = np.where(better, np.clip(factor * damping, 1e-9, 1e9), damping)
+            still = still & ~(better & (gained < _GAIN))
+            moved |= better
+            if np.all(moved | ~still):
+                break
+        damping = np.where(moved, damping, damping * 100)
+        still &= damping < 1e6
+        if not still.any():
+            break
+    return theta, value
+
+
+@partial(jax.jit, static_argnums=0)
+def _density(name, three, nodes, samples):
+    return jax.vmap(lambda t: added_density(name, t, nodes, samples))(three)
+
+
+@partial(jax.jit, static_argnums=0)
+def _density_slopes(name, three, nodes, samples):
+    return jax.vmap(jax.jacfwd(lambda t: added_density(name, t, nodes, samples)))(three)
+
+
+@partial(jax.jit, static_argnums=0)
+def _gains(name, three, nodes, samples):
+    return jax.vmap(lambda t: shaped(name, t, nodes, samples))(three)
+
+
+@partial(jax.jit, static_argnums=0)
+def _gain_slopes(name, three, nodes, samples):
+    return jax.vmap(jax.jacfwd(lambda t: shaped(name, t, nodes, samples)))(three)

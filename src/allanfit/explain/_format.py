@@ -1,0 +1,77 @@
+"""How samples were made: held, rounded, clipped. Told from the values alone, and for sure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import binom
+
+from ..physics import SampleHold
+from ..recording._checks import code_width, rails, repeated, usable
+
+# A code this wide beside the local noise adds 2 % to its variance, and an engineer should know.
+_COARSE = 0.5
+_WINDOW = 64
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Samples that repeat the one before."""
+
+    #: Mean samples for each fresh value, and whether every value is held equally long.
+    samples: float
+    regular: bool
+    #: Share of the samples that repeat, and what chance explains.
+    fraction: float
+    by_chance: float
+    log_p: float
+
+    def gain(self, frequency: Float[np.ndarray, " bins"]) -> Float[np.ndarray, " bins"]:
+        """What holding does to the density of white noise [cycles per sample]."""
+        held = round(self.samples) if self.regular else self.samples
+        return np.asarray(SampleHold(np.float64(held)).gain(frequency, 1.0))
+
+
+@dataclass(frozen=True)
+class Format:
+    """What the values say of how they were made."""
+
+    #: Difference between neighbouring codes, and whether it matters beside the noise.
+    width: float
+    coarse: bool
+    #: Local standard deviation of the samples.
+    sigma: float
+    rails: tuple[float, ...]
+    #: Share of the samples at the rails.
+    clipped: float
+    repeat: Repeat | None
+
+
+def sample_format(
+    values: Float[np.ndarray, " samples"], pieces: tuple[tuple[int, int], ...]
+) -> Format:
+    """Look at the values of all stretches [u]."""
+    used = usable(values, pieces)
+    width = code_width(used)
+    windows = used[: used.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
+    sigma = float(np.median((windows - windows[:, :1]).std(axis=1)))
+    whole = sigma or float(np.std(used))
+    coarse = width > _COARSE * whole
+    ends = () if width > 0.75 * whole else rails(used, width)
+    clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
+    return Format(width, coarse, sigma, ends, clipped, _repeat(used, ends, width))
+
+
+def _repeat(
+    used: Float[np.ndarray, " usable"], ends: tuple[float, ...], width: float
+) -> Repeat | None:
+    fraction, chance, beyond = repeated(used, ends, width)
+    if not beyond:
+        return None
+    edges = np.flatnonzero(np.concatenate([[True], np.diff(used) != 0]))
+    lengths = np.diff(edges)
+    mean = used.size / max(edges.size, 1)
+    usual = round(float(np.median(lengths)))
+    regular = bool(usual > 1 and np.mean(lengths == usual) > 0.95)
+    log_p = float(binom.logsf(int(fraction * used.size) - 1, used.size, max(chance, 1e-9)))
+    return Repeat(float(usual if regular else mean), regular, fraction, chance, log_p)

@@ -1,0 +1,518 @@
+"""One channel under investigation: what is amiss, found one thing at a time, strongest first.
+
+Order of questions: how samples were made (held, rounded, clipped); whether their noise lasts and
+is normal; then lines, courses in time and smooth effects of the spectrum, in rounds, each round
+taking what is least likely to be chance, until nothing is left that is.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..physics import Sampling
+from . import _means, _search
+from ._format import Format, sample_format
+from ._lines import Peak, Sine, refine, scan
+from ._means import Course, Sized
+from ._ordinates import Ordinates, bin_edges, binned, ordinates
+from ._search import Candidate, Model
+from ._spread import Contamination, Modulation, contamination, modulation, runs
+from ._structure import Data
+from ._whiten import level, whitened
+
+# Chance of a false alarm in each of the families of tests, for a recording of one channel.
+ALARM = 0.0012
+_MOST_ROUNDS = 10
+_MOST_LINES = 12
+# Loud for less of the record, and by more, is a knock and no change of the noise.
+_KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
+_MARGIN = 2
+
+
+@dataclass
+class Finding:
+    """One effect that was named."""
+
+    name: str
+    #: Log of the chance of the evidence without the effect, and twice the log-likelihood gained.
+    log_p: float
+    gain: float
+    #: Rivals by name: what each would have gained less what it costs, the effect itself included.
+    rivals: dict[str, float] = field(default_factory=dict)
+    #: What the document needs of effects that no structure or course holds.
+    detail: Any = None
+
+
+@dataclass
+class Investigation:
+    """The state of knowledge of one channel."""
+
+    values: Float[np.ndarray, " samples"]
+    pieces: tuple[tuple[int, int], ...]
+    sampling: Sampling
+    #: Chance of a false alarm for each family of tests on this channel.
+    alarm: float
+    format: Format
+    spectrum: Ordinates
+    edges: Float[np.ndarray, " edges"]
+    data: Data
+    #: The five terms alone, and all that is known now.
+    first: Model
+    model: Model
+    first_data: Data
+    courses: list[Course] = field(default_factory=list)
+    #: The amplitudes of the ordinates of each course.
+    moved: list[Float[np.ndarray, "ordinates columns"]] = field(default_factory=list)
+    sized: Sized | None = None
+    findings: list[Finding] = field(default_factory=list)
+    peaks: list[Peak] = field(default_factory=list)
+    contamination: Contamination | None = None
+    modulation: Modulation | None = None
+    knocks: list[tuple[int, int]] = field(default_factory=list)
+    #: Variance of white noise that does not belong to N: rounding, spikes, loud times [u^2].
+    foreign: float = 0.0
+    witnesses: list[dict[str, Any]] = field(default_factory=list)
+    #: The chance of the strongest evidence, Bonferroni over families.
+    unexplained: Candidate | None = None
+
+    @property
+    def left(self) -> Ordinates:
+        """The ordinates less the courses."""
+        return self.spectrum if self.sized is None else self.sized.left
+
+    @property
+    def cost(self) -> float:
+        """Minus twice the log-likelihood of what is known now."""
+        return _means.cost(self.model, self.data)
+
+
+def investigate(
+    values: Float[np.ndarray, " samples"],
+    pieces: tuple[tuple[int, int], ...],
+    sampling: Sampling,
+    power: Float[np.ndarray, " terms"],
+    *,
+    alarm: float = ALARM,
+    drivers: dict[str, Float[np.ndarray, "samples columns"]] | None = None,
+    seed: int = 0,
+) -> Investigation:
+    """Find what the five terms leave out of one channel.
+
+    `power` are the squared coefficients of the five-term fit for a sampling interval of one, and
+    `drivers` what may move the channel, by the name of the effect, centred.
+    """
+    state = _begin(values, pieces, sampling, power, alarm)
+    drivers = dict(drivers or {})
+    _about_format(state)
+    knocked = _about_spread(state, seed)
+    if knocked:
+        cut = _without(pieces, state.knocks)
+        later = _begin(values, cut, sampling, power, alarm)
+        later.findings, later.knocks = state.findings, state.knocks
+        later.witnesses = state.witnesses
+        state = later
+        _about_format(state)
+        _about_spread(state, seed)
+    if state.modulation is not None and state.contamination is None:
+        drivers["vibration_rectification"] = _loudness(state)
+    for _ in range(_MOST_ROUNDS):
+        if not _round(state, drivers):
+            break
+    _reconsider(state)
+    _leftover(state)
+    return state
+
+
+def _begin(values, pieces, sampling, power, alarm) -> Investigation:
+    found = sample_format(values, pieces)
+    parts = tuple(values[start:stop] for start, stop in pieces)
+    spectrum = ordinates(parts, sampling)
+    edges = bin_edges(spectrum.longest)
+    bins = binned(spectrum, edges)
+    data = Data(bins, float(spectrum.longest), 0.0, np.ones(bins.shape.size), np.ones(4, bool))
+    first = _search.five_terms(power, data)
+    return Investigation(
+        values, pieces, sampling, alarm, found, spectrum, edges, data, first, first, data
+    )
+
+
+def _about_format(state: Investigation) -> None:
+    """Samples that were held, rounded or clipped: known for sure, and modelled as they were made."""
+    made = state.format
+    if made.repeat is not None:
+        state.findings = [f for f in state.findings if f.name != "sample_hold"]
+        state.findings.append(Finding("sample_hold", made.repeat.log_p, -2 * made.repeat.log_p))
+        state.data = state.data._replace(
+            holding=made.repeat.gain(np.asarray(state.data.bins.nodes)[:, 1])
+        )
+    if made.coarse:
+        state.findings = [f for f in state.findings if f.name != "output_rounding"]
+        state.findings.append(Finding("output_rounding", -1e3, 2e3))
+        state.foreign += made.width**2 / 12
+    if made.rails:
+        state.findings = [f for f in state.findings if f.name != "saturation"]
+        state.findings.append(Finding("saturation", -1e3, 2e3))
+    if made.repeat is not None or made.coarse:
+        _refit(state)
+
+
+def _refit(state: Investigation) -> None:
+    """The present structure again, with what is known of white noise that is not N."""
+    # Rounding cannot be more than there is: coarse codes that hide the noise leave it less.
+    floor = np.min(np.asarray(state.data.bins.density)[state.data.bins.used])
+    state.data = state.data._replace(foreign=min(2 * state.foreign, 0.98 * floor))
+    theta = np.array(state.model.theta)
+    starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
+    state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
+
+
+def _white(state: Investigation, piece: tuple[int, int], notches=()) -> np.ndarray:
+    mean = _means.ordinate_variance(state.spectrum, state.model, state.data)
+    expected = level(state.left, mean)
+    values = state.values[piece[0] : piece[1]]
+    if state.sized is not None:
+        drawn = np.column_stack([c.template for c in state.courses])[piece[0] : piece[1]]
+        values = values - drawn @ state.sized.sizes
+    return whitened(values, state.left, expected, notches)
+
+
+def _longest(state: Investigation) -> tuple[int, int]:
+    return max(state.pieces, key=lambda piece: piece[1] - piece[0])
+
+
+def _about_spread(state: Investigation, seed: int) -> bool:
+    """Outliers, loud times and knocks. Says whether the record has to be cut."""
+    if state.format.coarse or state.format.repeat is not None:
+        # Coarse or held samples are not normal, and their whitened record is not either.
+        return False
+    piece = _longest(state)
+    rough = _white(state, piece)
+    notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
+    white = _white(state, piece, notches)
+    changing = modulation(white, seed)
+    state.witnesses.append(
+        {
+            "name": "variance in time",
+            "statistic": changing.ratio,
+            "p_value": changing.p_value,
+            "sentence": "Windowed variances of the whitened record, compared.",
+        }
+    )
+    loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
+    if loud and not state.knocks:
+        share = changing.loud.mean()
+        if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
+            pulled = changing.window * _MARGIN
+            state.knocks = [
+                (piece[0] + max(a - pulled, 0), piece[0] + min(b + pulled, changing.loud.size))
+                for a, b in runs(changing.loud)
+            ]
+            detail = changing
+            state.findings.append(
+                Finding("disturbance", np.log(max(changing.p_value, 1e-300)), 0.0, {}, detail)
+            )
+            return True
+    if loud:
+        state.modulation = changing
+        even = white / np.where(changing.loud, changing.ratio, 1.0)
+        even = even / np.std(np.clip(even, -4, 4))
+    else:
+        even = white
+    spiky = contamination(even, seed)
+    state.witnesses.append(
+        {
+            "name": "outliers",
+            "statistic": spiky.gain,
+            "p_value": spiky.p_value,
+            "sentence": "A mixture of two normal distributions against one, on the whitened record.",
+        }
+    )
+    # How tall a spike of one unit is in the whitened record.
+    mean = level(state.left, _means.ordinate_variance(state.spectrum, state.model, state.data))
+    height = float(np.mean(1 / np.sqrt(mean / 2)))
+    if loud:
+        excess = changing.ratio**2 - 1
+        quiet = 1 / (1 + changing.loud.mean() * excess)
+        total = float(np.mean(mean[mean.size // 2 :]) / 2)
+        state.foreign += total * (1 - quiet)
+        state.findings.append(
+            Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
+        )
+    if spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma:
+        state.contamination = replace_scale(spiky, height)
+        state.foreign += spiky.fraction * (spiky.amplitude / height) ** 2
+        state.findings.append(
+            Finding(
+                "outliers", np.log(max(spiky.p_value, 1e-300)), spiky.gain, {}, state.contamination
+            )
+        )
+    if loud or state.contamination is not None:
+        _refit(state)
+    return False
+
+
+def replace_scale(found: Contamination, height: float) -> Contamination:
+    """In the unit of the record, where a spike of one unit stands `height` tall when whitened."""
+    scale = np.array([1.0, 1 / height, 1 / height])
+    return found._replace(
+        amplitude=found.amplitude / height, sigma=found.sigma / height, draws=found.draws * scale
+    )
+
+
+def _without(
+    pieces: tuple[tuple[int, int], ...], knocks: list[tuple[int, int]]
+) -> tuple[tuple[int, int], ...]:
+    """The stretches less some intervals; what is left must be long enough to use."""
+    left = []
+    for start, stop in pieces:
+        at = start
+        for a, b in sorted(knocks):
+            if a < stop and b > start:
+                if a - at >= 64:
+                    left.append((at, a))
+                at = max(at, b)
+        if stop - at >= 64:
+            left.append((at, stop))
+    return tuple(left)
+
+
+def _loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:
+    """Local variance of the fast noise [u^2], smooth, centred: what may rectify."""
+    changing = state.modulation
+    assert changing is not None
+    start, stop = _longest(state)
+    mean = _means.ordinate_variance(state.spectrum, state.model, state.data)
+    quiet = float(np.mean(mean[mean.size // 2 :]) / 2)
+    column = np.zeros(state.values.size)
+    column[start:stop] = np.where(changing.loud, (changing.ratio**2 - 1) * quiet, 0.0)
+    return (column - column[start:stop].mean())[:, None]
+
+
+class _Option:
+    """Something that a round may choose."""
+
+    def __init__(self, name, log_p, gain, score, take):
+        self.name, self.log_p, self.gain, self.score, self.take = name, log_p, gain, score, take
+
+
+def _round(state: Investigation, drivers: dict[str, Any]) -> bool:
+    """One more effect, if any is needed; says whether one was."""
+    options = _line_options(state) + _smooth_options(state) + _course_options(state, drivers)
+    options = [option for option in options if np.isfinite(option.log_p)]
+    alarms = [option for option in options if option.log_p < np.log(state.alarm)]
+    if not alarms:
+        return False
+    # Lines first: nothing smooth explains one, and one distorts what is smooth.
+    lines = [option for option in alarms if option.name == "line"]
+    chosen = max(lines or alarms, key=lambda option: option.gain if lines else option.score)
+    rivals: dict[str, float] = {}
+    for option in options:
+        if option.name != "line":
+            rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
+    chosen.take(rivals)
+    return True
+
+
+def _line_options(state: Investigation) -> list[_Option]:
+    piece = _longest(state)
+    held = sum(course.name == "sinusoid" for course in state.courses)
+    known = tuple(peak.frequency for peak in state.peaks)
+    white = _white(state, piece, ())
+    peaks = [
+        peak
+        for peak in scan(white, state.alarm)
+        if not any(
+            abs(peak.frequency - old.frequency) < 3 * (old.half_width + peak.half_width)
+            for old in state.peaks
+        )
+    ]
+    state.witnesses = [w for w in state.witnesses if w["name"] != "lines"]
+    state.witnesses.append(
+        {
+            "name": "lines",
+            "statistic": len(peaks) + held + len(known),
+            "p_value": peaks[0].p_value if peaks else 1.0,
+            "sentence": "The spectrum at full resolution, scanned for narrow bands.",
+        }
+    )
+    if not peaks or held >= _MOST_LINES:
+        return []
+    peak = peaks[0]
+    mean = level(state.left, _means.ordinate_variance(state.spectrum, state.model, state.data))
+    density = float(np.interp(peak.frequency, state.left.frequency, mean))
+    sine = refine(white, peak.frequency, density)
+
+    def take(rivals: dict[str, float]) -> None:
+        _take_line(state, peak, sine, white)
+
+    return [_Option("line", np.log(max(peak.p_value, 1e-300)), sine.gain, sine.gain, take)]
+
+
+def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) -> None:
+    """A peak that one sinusoid empties is a sinusoid; another is broad, and left to the spectrum."""
+    samples = white.size
+    time = np.arange(samples)
+    angle = 2 * np.pi * sine.frequency * time
+    basis = np.column_stack([np.cos(angle), np.sin(angle)])
+    rest = white - basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
+    near = [
+        other
+        for other in scan(rest, 1e-3)
+        if abs(other.frequency - sine.frequency) < max(8 / samples, 2 * peak.half_width)
+    ]
+    if not near:
+        course = _means.oscillation(sine.frequency, _longest(state)[0], state.values.size)
+        course.shape["deviation"] = sine.frequency_deviation
+        log_p = np.log(max(peak.p_value, 1e-300))
+        _add_course(state, course, Finding("sinusoid", log_p, sine.gain))
+        return
+    # As wide as what is left beside the middle.
+    spread = [abs(other.frequency - peak.frequency) + other.half_width for other in near]
+    state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread)))
+    pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
+    state.edges = bin_edges(state.spectrum.longest, pairs)
+    _rebin(state)
+
+
+def _rebin(state: Investigation) -> None:
+    bins = binned(state.left, state.edges)
+    holding = np.ones(bins.shape.size)
+    if state.format.repeat is not None:
+        holding = state.format.repeat.gain(np.asarray(bins.nodes)[:, 1])
+    state.data = state.data._replace(bins=bins, holding=holding)
+    state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
+
+
+def _smooth_options(state: Investigation) -> list[_Option]:
+    pairs = tuple((peak.frequency, peak.half_width) for peak in state.peaks)
+    options = []
+    for candidate in _search.candidates(state.model, state.data, pairs):
+
+        def take(rivals: dict[str, float], candidate: Candidate = candidate) -> None:
+            state.model = candidate.model
+            state.findings.append(
+                Finding(
+                    candidate.name,
+                    _search.log_chance(candidate.name, candidate.gain),
+                    candidate.gain,
+                    rivals,
+                )
+            )
+
+        options.append(
+            _Option(
+                candidate.name,
+                _search.log_chance(candidate.name, candidate.gain),
+                candidate.gain,
+                _search.score(candidate.name, candidate.gain),
+                take,
+            )
+        )
+    return options
+
+
+def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[_Option]:
+    values = state.values
+    if state.sized is not None:
+        values = values - np.column_stack([c.template for c in state.courses]) @ state.sized.sizes
+    proposals = _means.propose(
+        values.size, state.pieces, values, state.left, state.model, state.data, drivers
+    )
+    before = state.cost
+    options: list[_Option] = []
+    for course in proposals:
+        if any(course.name == old.name and course.shape == old.shape for old in state.courses):
+            continue
+        sized = _with(state, course)
+        gain = max(before - sized.cost, 0.0)
+
+        def take(rivals: dict[str, float], course: Course = course, gain: float = gain) -> None:
+            log_p = _means.log_chance(course.name, gain)
+            _add_course(state, _refined(state, course), Finding(course.name, log_p, gain, rivals))
+
+        options.append(
+            _Option(
+                course.name,
+                _means.log_chance(course.name, gain),
+                gain,
+                _means.score(course.name, gain),
+                take,
+            )
+        )
+    return options
+
+
+def _moved(state: Investigation) -> Float[np.ndarray, "ordinates columns"]:
+    nothing = np.zeros((state.spectrum.frequency.size, 0))
+    return np.concatenate([nothing, *state.moved], axis=1)
+
+
+def _with(state: Investigation, course: Course, *, shapes_too: bool = False) -> Sized:
+    moved = np.concatenate([_moved(state), _means.moved_by(course, state.pieces)], axis=1)
+    return _means.size_up(
+        state.spectrum, moved, state.model, state.data, state.edges, shapes_too=shapes_too
+    )
+
+
+def _refined(state: Investigation, course: Course) -> Course:
+    """The course at its best place in time."""
+    start, stop = _longest(state)
+    length, samples = stop - start, state.values.size
+
+    def gain(tried: Course) -> float:
+        return -_with(state, tried).cost
+
+    if course.name == "step":
+        return _means.polish(
+            course,
+            lambda at: _means.step(round(at), samples),
+            course.shape["time"],
+            length / 2000,
+            gain,
+        )
+    if course.name == "warm_up":
+        constant = course.shape["time_constant"]
+        return _means.polish(
+            course, lambda c: _means.warm_up(c, start, samples), constant, constant / 5, gain
+        )
+    return course
+
+
+def _add_course(state: Investigation, course: Course, finding: Finding) -> None:
+    state.sized = _with(state, course, shapes_too=True)
+    state.courses.append(course)
+    state.moved.append(_means.moved_by(course, state.pieces))
+    state.findings.append(finding)
+    state.model, state.data = state.sized.model, state.sized.data
+
+
+def _reconsider(state: Investigation) -> None:
+    """Take back what later effects have made superfluous."""
+    for name in state.model.kinds.names:
+        start = _search.without(state.model, name)
+        less = _search.best([(start.kinds, start.theta)], state.data)[0]
+        gain = less.deviance - state.model.deviance
+        if _search.log_chance(name, gain) > np.log(state.alarm):
+            state.model = less
+            state.findings = [f for f in state.findings if f.name != name]
+    if state.sized is not None:
+        state.sized = replace_model(state)
+
+
+def replace_model(state: Investigation) -> Sized:
+    """The courses beside the structure as it is now."""
+    sized = _means.size_up(
+        state.spectrum, _moved(state), state.model, state.data, state.edges, shapes_too=True
+    )
+    state.model, state.data = sized.model, sized.data
+    return sized
+
+
+def _leftover(state: Investigation) -> None:
+    """What nothing of the catalogue explains, as a smooth bump."""
+    found = _search.bumps(state.model, state.data)
+    if found and _search.log_chance("bump", found[0].gain) < np.log(state.alarm):
+        state.unexplained = found[0]
+        state.model = found[0].model

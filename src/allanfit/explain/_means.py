@@ -1,0 +1,313 @@
+"""What is not noise but a course in time: steps, a warm-up, a slow oscillation, temperature.
+
+A course is a mean of the ordinates' signed amplitudes, which are independent, each with the
+variance that the noise gives it: its size is found by generalised least squares, the ramp taken
+out of both sides. A random walk imitates every slow course, and a course that is left out makes
+the walk larger; so a course counts for what the likelihood gains when the noise is fitted again.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.fft import dct
+from scipy.signal import lfilter
+from scipy.stats import chi2
+
+from ._ordinates import Ordinates, amplitudes, binned
+from ._search import Model, best, mean_density, rescaled
+from ._structure import Data
+
+# Courses are looked for in means over at most this many blocks of the record.
+_BLOCKS = 4096
+_SHORTLIST = 3
+# Chance of a scan's maximum below which a course is fitted at all.
+_WORTH = 0.3
+_ROUNDS = 3
+#: Independent places a course is looked for in, and its parameters; see `_search.TRIALS`.
+TRIALS = {
+    "step": (400.0, 1),
+    "warm_up": (10.0, 1),
+    "sinusoid": (120.0, 2),
+    "temperature": (6.0, 2),
+    "vibration_rectification": (2.0, 1),
+}
+# Twice the log-likelihood that a size has to pay for among rivals.
+_SIZE_PRICE = 3.2
+# Slower than this many periods in the record, an oscillation is no line yet.
+_FEWEST_PERIODS = 1.5
+_MOST_PERIODS = 160
+
+Template = Float[np.ndarray, "samples columns"]
+
+
+class Course(NamedTuple):
+    """A named course in time, up to its size."""
+
+    name: str
+    #: What it adds to each sample for unit sizes, shape (samples, columns).
+    template: Template
+    #: Its parameters beside the sizes, in samples.
+    shape: dict[str, float]
+
+
+class Sized(NamedTuple):
+    """Courses with their sizes, jointly, and the noise that is left."""
+
+    sizes: Float[np.ndarray, " columns"]
+    covariance: Float[np.ndarray, "columns columns"]
+    model: Model
+    data: Data
+    #: The ordinates less the courses.
+    left: Ordinates
+    #: Minus twice the log-likelihood, up to a constant that all models of the record share.
+    cost: float
+
+
+def cost(model: Model, data: Data) -> float:
+    """Minus twice the log-likelihood of the ordinates, up to a constant of the record."""
+    mean = mean_density(model, data)
+    return float(
+        np.sum(
+            2 * np.asarray(data.bins.shape) * (np.log(mean) + np.asarray(data.bins.density) / mean)
+        )
+    )
+
+
+def log_chance(name: str, gain: float) -> float:
+    """Log of the probability that noise alone gains as much by a course of this name."""
+    trials, freedom = TRIALS[name]
+    return float(min(0.0, np.log(trials) + chi2.logsf(gain, freedom)))
+
+
+def score(name: str, gain: float) -> float:
+    """As `_search.score`: the gain less what the places and the sizes of a course cost."""
+    trials, freedom = TRIALS[name]
+    return gain - 2 * float(np.log(trials)) - _SIZE_PRICE * freedom
+
+
+def ordinate_variance(
+    spectrum: Ordinates, model: Model, data: Data
+) -> Float[np.ndarray, " ordinates"]:
+    """The model's expectation of each ordinate."""
+    mean = mean_density(model, data)[data.bins.used]
+    frequency = data.bins.frequency[data.bins.used]
+    # Between the middles of bins in the logarithm; a power law is a straight line there.
+    return np.exp(np.interp(np.log(spectrum.frequency), np.log(frequency), np.log(mean)))
+
+
+def size_up(
+    spectrum: Ordinates,
+    moved: Float[np.ndarray, "ordinates columns"],
+    model: Model,
+    data: Data,
+    edges: Float[np.ndarray, " edges"],
+    *,
+    shapes_too: bool,
+) -> Sized:
+    """Sizes of courses with the noise fitted again beside them.
+
+    `moved` holds the amplitudes of the ordinates of each column of the courses. Of the noise the
+    powers are fitted, and with `shapes_too` in the end all else.
+    """
+    sizes, covariance = np.zeros(moved.shape[1]), np.zeros((moved.shape[1],) * 2)
+    left = spectrum
+    for _ in range(_ROUNDS):
+        variance = ordinate_variance(spectrum, model, data)
+        weighted = moved / variance[:, None]
+        information = weighted.T @ moved
+        unit = np.sqrt(np.maximum(np.diag(information), 1e-300))
+        inverse = np.linalg.pinv(information / unit / unit[:, None], rcond=1e-10, hermitian=True)
+        covariance = inverse / unit / unit[:, None]
+        sizes = covariance @ (weighted.T @ spectrum.amplitude)
+        left = spectrum.less(moved @ sizes)
+        data = data._replace(bins=binned(left, edges))
+        model = rescaled(model, data)
+    if shapes_too:
+        model = best([(model.kinds, model.theta)], data)[0]
+    return Sized(sizes, covariance, model, data, left, cost(model, data))
+
+
+def propose(
+    samples: int,
+    pieces: tuple[tuple[int, int], ...],
+    values: Float[np.ndarray, " samples"],
+    spectrum: Ordinates,
+    model: Model,
+    data: Data,
+    drivers: dict[str, Float[np.ndarray, "samples columns"]],
+) -> list[Course]:
+    """The courses that look most promising, a few of each name.
+
+    In the longest stretch, block means and a scan that keeps the noise as it is; once as fitted,
+    and once with nearly no random walk, since a course hides behind the walk that it made.
+    """
+    start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
+    length = stop - start
+    block = max(1, length // _BLOCKS)
+    count = length // block
+    means = values[start : start + count * block].reshape(count, block).mean(axis=1)
+    orders = np.arange(1, max(count // 2, 2))
+    scale = np.sqrt(block)
+    amplitude = scale * dct(means - means.mean(), norm="ortho")[orders]
+    frequency = orders / (2 * length)
+    flat = ordinate_variance(spectrum, model, data)
+    calm = model._replace(
+        theta=np.where(np.arange(model.theta.size) == 3, model.theta - 4.0, model.theta)
+    )
+    found: list[Course] = []
+    time = (np.arange(count) + 0.5) * block
+    ramp = scale * dct(time - time.mean(), norm="ortho")[orders]
+    for variance in (flat, ordinate_variance(spectrum, calm, data)):
+        weight = np.interp(frequency, spectrum.frequency, variance) / 2
+        scan = _Scan(amplitude, ramp, weight, scale, orders)
+        found += _oscillations(scan, time, length, start, samples)
+        found += _warm_ups(scan, time, length, start, samples)
+        found += _steps(scan, orders, count, block, start, samples)
+    for name, columns in drivers.items():
+        found += _driven(name, columns, samples)
+    return found
+
+
+class _Scan(NamedTuple):
+    amplitude: Float[np.ndarray, " orders"]
+    ramp: Float[np.ndarray, " orders"]
+    variance: Float[np.ndarray, " orders"]
+    scale: float
+    orders: np.ndarray
+
+    def gain(self, columns: Float[np.ndarray, "blocks columns"]) -> float:
+        """What generalised least squares gains by some columns beside the ramp."""
+        moved = self.scale * dct(columns - columns.mean(axis=0), axis=0, norm="ortho")[self.orders]
+        root = np.sqrt(self.variance)
+        basis, _ = np.linalg.qr(np.column_stack([self.ramp, moved]) / root[:, None])
+        projected = basis.T @ (self.amplitude / root)
+        return float(np.sum(projected[1:] ** 2))
+
+
+def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
+    periods = np.arange(_FEWEST_PERIODS, min(_MOST_PERIODS, time.size / 8), 0.25)
+    gains = []
+    for cycles in periods:
+        angle = 2 * np.pi * cycles * time / length
+        gains.append(scan.gain(np.column_stack([np.cos(angle), np.sin(angle)])))
+    courses = []
+    for at in _tops(np.asarray(gains), 4, "sinusoid"):
+        fine = periods[at] + np.linspace(-0.25, 0.25, 9)
+        angles = [2 * np.pi * c * time / length for c in fine]
+        values = [scan.gain(np.column_stack([np.cos(a), np.sin(a)])) for a in angles]
+        courses.append(oscillation(float(fine[int(np.argmax(values))]) / length, start, samples))
+    return courses
+
+
+def oscillation(frequency: float, start: int, samples: int) -> Course:
+    """Cosine and sine at a frequency [cycles per sample]."""
+    angle = 2 * np.pi * frequency * (np.arange(samples) - start)
+    return Course(
+        "sinusoid", np.column_stack([np.cos(angle), np.sin(angle)]), {"frequency": frequency}
+    )
+
+
+def _warm_ups(scan: _Scan, time, length, start, samples) -> list[Course]:
+    constants = np.geomspace(max(length / 300, 4 * (time[1] - time[0])), length / 1.5, 24)
+    gains = [scan.gain(np.exp(-time / constant)[:, None]) for constant in constants]
+    return [
+        warm_up(float(constants[at]), start, samples)
+        for at in _tops(np.asarray(gains), 3, "warm_up")[:1]
+    ]
+
+
+def warm_up(constant: float, start: int, samples: int) -> Course:
+    """An exponential that begins with the recording, its constant in samples."""
+    time = np.maximum(np.arange(samples) - start, 0)
+    return Course("warm_up", np.exp(-time / constant)[:, None], {"time_constant": constant})
+
+
+def _steps(scan: _Scan, orders, count, block, start, samples) -> list[Course]:
+    # The cosine coefficients of a step at g blocks are a sine of g: all positions at once.
+    at = np.arange(1, 1024) / 1024
+    sine = np.sin(np.pi * orders[:, None] * at)
+    half = 2 * np.sin(np.pi * orders / (2 * count))
+    unit = -np.sqrt(2 / count) * scan.scale / half
+    ramp = scan.ramp / scan.variance
+    top = (scan.amplitude * unit / scan.variance) @ sine
+    bottom = (unit**2 / scan.variance) @ sine**2
+    across = (ramp * unit) @ sine
+    norm = ramp @ scan.ramp
+    top = top - across * (ramp @ scan.amplitude) / norm
+    bottom = np.maximum(bottom - across**2 / norm, 1e-12 * bottom)
+    gains = top**2 / bottom
+    # A step at the very ends is an outlier or a ramp.
+    gains[:4] = gains[-4:] = 0.0
+    return [step(round(at[i] * count * block) + start, samples) for i in _tops(gains, 12, "step")]
+
+
+def step(time: int, samples: int) -> Course:
+    """One from sample `time` on."""
+    return Course(
+        "step", (np.arange(samples) >= time)[:, None].astype(float), {"time": float(time)}
+    )
+
+
+def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: int) -> list[Course]:
+    if name != "temperature":
+        return [Course(name, columns, {})]
+    # The sensor follows its surroundings late.
+    courses = []
+    for lag in (0.0, 0.003, 0.01, 0.03, 0.1):
+        constant = lag * samples
+        late = columns[:, 0]
+        if constant > 1:
+            share = 1 - np.exp(-1 / constant)
+            late = lfilter([share], [1, share - 1], late - late[0]) + late[0]
+        late = late - late.mean()
+        courses.append(Course(name, np.column_stack([late, late**2]), {"lag": constant}))
+    return courses
+
+
+def _tops(gains: Float[np.ndarray, " places"], apart: int, name: str) -> list[int]:
+    """The highest places that are worth a fit, none within `apart` of a higher one."""
+    trials, freedom = TRIALS[name]
+    left = np.where(gains > chi2.isf(_WORTH / trials, freedom), gains, 0.0)
+    tops = []
+    for _ in range(_SHORTLIST):
+        at = int(np.argmax(left))
+        if left[at] <= 0:
+            break
+        tops.append(at)
+        left[max(0, at - apart) : at + apart + 1] = 0.0
+    return tops
+
+
+def polish(
+    course: Course,
+    remake: Callable[[float], Course],
+    value: float,
+    spread: float,
+    gain: Callable[[Course], float],
+) -> Course:
+    """The best of a course's neighbours, halving the step a few times."""
+    best_gain, best_course = gain(course), course
+    for _ in range(7):
+        for candidate in (value - spread, value + spread):
+            if candidate <= 0:
+                continue
+            tried = remake(candidate)
+            reached = gain(tried)
+            if reached > best_gain:
+                best_gain, best_course, value = reached, tried, candidate
+        spread /= 2
+    return best_course
+
+
+def moved_by(
+    course: Course, pieces: tuple[tuple[int, int], ...]
+) -> Float[np.ndarray, "ordinates columns"]:
+    """The amplitudes of the ordinates of each column of a course."""
+    return np.column_stack(
+        [
+            amplitudes(tuple(column[start:stop] for start, stop in pieces))
+            for column in course.template.T
+        ]
+    )

@@ -1,0 +1,166 @@
+"""Every ordinate of a record's mirror spectrum, and averages of them over any bins.
+
+A fit of five smooth terms needs few bins. What is left out of it may be narrow, so that here all
+ordinates are kept, in float64 on the host, and averaged as each question asks. Frequencies are in
+cycles per sample and densities for a sampling interval of one, as in `curves`.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from ..curves import mode_variances
+from ..curves._bins import logarithmic_edges
+from ..curves._spectrum import RampProjection, cosine_coefficients
+from ..physics import Sampling
+
+BINS_PER_DECADE = 48
+# Bins of no weight fill a spectrum up to a multiple of this: one compilation serves most records.
+_PADDING = 128
+# Gauss-Legendre nodes of three points on (0, 1), exact to fifth order.
+_NODES = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
+_WEIGHTS = np.array([5, 8, 5]) / 18
+
+
+class Ordinates(NamedTuple):
+    """Squared cosine coefficients of all stretches, in order of frequency."""
+
+    #: Cycles per sample, shape (ordinates,).
+    frequency: Float[np.ndarray, " ordinates"]
+    #: sqrt(2) c with the ramp projected out [u]: linear in the samples, and squared an ordinate.
+    amplitude: Float[np.ndarray, " ordinates"]
+    #: What unit powers of Q, N, B, K put there, shape (ordinates, 4).
+    expected: Float[np.ndarray, "ordinates terms"]
+    #: Which half of the record's ordinates each belongs to, for scores on what was not fitted.
+    fold: Int[np.ndarray, " ordinates"]
+    #: Samples of the longest stretch.
+    longest: int
+
+    def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":
+        """What is left when something with these amplitudes is taken out."""
+        return self._replace(amplitude=self.amplitude - mean)
+
+
+class Bins(NamedTuple):
+    """Averages over bins, padded with bins of no weight; made for JAX."""
+
+    #: Mean ordinate, shape (bins,) [u^2].
+    density: Float[np.ndarray, " bins"] | Float[Array, " bins"]
+    #: What unit powers of Q, N, B, K put there, shape (bins, 4).
+    expected: Float[np.ndarray, "bins terms"] | Float[Array, "bins terms"]
+    #: Half the number of ordinates: the shape of a Gamma variate.
+    shape: Float[np.ndarray, " bins"] | Float[Array, " bins"]
+    #: Three frequencies inside each bin, at which an effect's density is averaged.
+    nodes: Float[np.ndarray, "bins three"] | Float[Array, "bins three"]
+
+    @property
+    def frequency(self) -> Float[np.ndarray, " bins"]:
+        """Middle of each bin [cycles per sample]."""
+        return np.asarray(self.nodes)[:, 1]
+
+    @property
+    def used(self) -> Bool[np.ndarray, " bins"]:
+        """Which bins are no padding."""
+        return np.asarray(self.shape) > 0
+
+
+def averaged(values: Float[Array, "bins three"]) -> Float[Array, " bins"]:
+    """The mean over each bin of what was computed at its `nodes`."""
+    return values @ jnp.asarray(_WEIGHTS, values.dtype)
+
+
+def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -> Ordinates:
+    """All ordinates of the stretches of a record, each of at least 16 samples [u]."""
+    frequency, expected, fold = [], [], []
+    for x in pieces:
+        order = np.arange(2, x.size)
+        variances = 2 * mode_variances(x.size, x.size - 1, sampling)
+        project = _projection(x.size)
+        frequency.append(order / (2 * x.size))
+        expected.append(np.stack([project.expectation(column) for column in variances.T], axis=1))
+        # Neighbours in pairs, so that each half has as many odd orders as even ones.
+        fold.append(order // 2 % 2)
+    whole = np.concatenate(frequency)
+    by_frequency = np.argsort(whole, kind="stable")
+    return Ordinates(
+        whole[by_frequency],
+        amplitudes(pieces),
+        np.concatenate(expected)[by_frequency],
+        np.concatenate(fold)[by_frequency],
+        max(x.size for x in pieces),
+    )
+
+
+def amplitudes(pieces: tuple[Float[np.ndarray, " _"], ...]) -> Float[np.ndarray, " ordinates"]:
+    """Signed amplitudes of the ordinates of anything with a value at each sample."""
+    found = [
+        np.asarray(_projection(x.size).project(cosine_coefficients(jnp.asarray(x, float))))
+        for x in pieces
+    ]
+    if len(pieces) == 1:
+        return 2**0.5 * found[0]
+    whole = np.concatenate([np.arange(2, x.size) / (2 * x.size) for x in pieces])
+    return 2**0.5 * np.concatenate(found)[np.argsort(whole, kind="stable")]
+
+
+@lru_cache(maxsize=32)
+def _projection(length: int) -> RampProjection:
+    return RampProjection(length)
+
+
+def bin_edges(
+    longest: int, peaks: tuple[tuple[float, float], ...] = ()
+) -> Float[np.ndarray, " edges"]:
+    """Edges equally spaced in log f, and finer about each peak (frequency, half width)."""
+    spacing = 1 / (2 * longest)
+    edges = logarithmic_edges(2 * spacing, spacing, BINS_PER_DECADE)
+    for centre, width in peaks:
+        # From the peak outward, each bin wider in proportion to its distance.
+        reach = width * np.sinh(np.linspace(0.0, 4.5, 14)) / 2
+        fine = np.concatenate([centre - reach, centre + reach])
+        fine = np.round(fine / spacing - 0.5) + 0.5
+        fine = np.unique(fine) * spacing
+        fine = fine[(fine > edges[0]) & (fine < edges[-1])]
+        if fine.size:
+            outside = (edges < fine[0]) | (edges > fine[-1])
+            # Edges of two peaks that overlap both stay.
+            kept = edges[outside] if not peaks else edges
+            edges = np.union1d(kept, fine)
+    return edges
+
+
+def binned(
+    spectrum: Ordinates,
+    edges: Float[np.ndarray, " edges"],
+    fold: int | None = None,
+) -> Bins:
+    """Averages of all ordinates, or of one half of them, between the edges."""
+    kept = np.ones(spectrum.fold.shape, bool) if fold is None else spectrum.fold == fold
+    index = np.clip(np.searchsorted(edges, spectrum.frequency, side="right") - 1, 0, edges.size - 2)
+    count = np.bincount(index[kept], minlength=edges.size - 1)
+    used = count > 0
+    safe = np.maximum(count, 1)
+
+    def mean(values: Float[np.ndarray, " ordinates"]) -> Float[np.ndarray, " bins"]:
+        return (np.bincount(index[kept], values[kept], minlength=edges.size - 1) / safe)[used]
+
+    low = np.full(edges.size - 1, np.inf)
+    high = np.zeros(edges.size - 1)
+    np.minimum.at(low, index[kept], spectrum.frequency[kept])
+    np.maximum.at(high, index[kept], spectrum.frequency[kept])
+    # A bin reaches half a spacing beyond its outermost ordinates.
+    half = 1 / (4 * spectrum.longest)
+    low, high = (low - half)[used], np.minimum(high + half, 0.5)[used]
+    density = mean(spectrum.amplitude**2)
+    expected = np.stack([mean(column) for column in spectrum.expected.T], axis=1)
+    padding = -density.size % _PADDING
+    nodes = low[:, None] + (high - low)[:, None] * _NODES
+    return Bins(
+        np.pad(density, (0, padding), constant_values=1.0),
+        np.pad(expected, ((0, padding), (0, 0)), constant_values=1.0),
+        np.pad(count[used] / 2, (0, padding)),
+        np.pad(nodes, ((0, padding), (0, 0)), constant_values=0.25),
+    )

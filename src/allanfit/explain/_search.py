@@ -1,0 +1,224 @@
+"""Which effects a spectrum asks for: what each would gain, and whether chance would as well."""
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from scipy.stats import chi2
+
+from ._climb import climb, expected_density, rescale
+from ._structure import (
+    ADDED,
+    EACH,
+    TERMS,
+    Data,
+    Kinds,
+    added_density,
+    bounds,
+    free,
+)
+
+# Starts are filled up to this many, for few compilations.
+_STARTS = 8
+_MOST_ADDED = 3
+# How many independent places an effect is looked for in, and the parameters that it has: the
+# chance that noise alone gains x in twice the log-likelihood is trials * P(chi^2 > x).
+TRIALS = {
+    "gauss_markov": (3.0, 2),
+    "resonance": (12.0, 3),
+    "power_law": (1.0, 2),
+    "low_pass": (1.5, 2),
+    "drifting_line": (1.0, 3),
+    "bump": (20.0, 3),
+}
+# Twice the log-likelihood that a parameter has to pay for in the comparison of rivals.
+_PRICE = float(np.log(200))
+
+
+class Model(NamedTuple):
+    """A structure at its best parameters."""
+
+    kinds: Kinds
+    theta: np.ndarray
+    #: Sum of squared deviance residuals.
+    deviance: float
+
+
+class Candidate(NamedTuple):
+    """One more effect, and by how much the deviance falls."""
+
+    name: str
+    model: Model
+    gain: float
+
+
+Start = tuple[str, Kinds, np.ndarray]
+
+
+def five_terms(power: np.ndarray, data: Data) -> Model:
+    """The five-term model at its best, from squared coefficients for a sampling interval of one."""
+    # A term at zero may still be wanted by finer bins: it starts where it hardly shows.
+    level = np.median(data.bins.density[data.bins.used])
+    strongest = np.asarray(data.bins.expected)[data.bins.used].max(axis=0)
+    return best([(Kinds(), np.log(np.maximum(power, 1e-4 * level / strongest)))], data)[0]
+
+
+def best(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[Model]:
+    """Where each start leads; neighbours of one kind climb together."""
+    found: list[Model] = []
+    begin = 0
+    while begin < len(starts):
+        kinds = starts[begin][0]
+        stop = begin + 1
+        while stop < min(len(starts), begin + _STARTS) and starts[stop][0] == kinds:
+            stop += 1
+        group = np.stack([theta for _, theta in starts[begin:stop]])
+        # A few sizes of groups are all that is ever compiled.
+        count = 1 if len(group) == 1 else _STARTS
+        filled = np.concatenate([group, np.repeat(group[-1:], count - len(group), axis=0)])
+        thetas, deviances = climb(filled, kinds, data)
+        found += [
+            Model(kinds, theta, float(deviance) if np.isfinite(deviance) else np.inf)
+            for theta, deviance in zip(thetas[: len(group)], deviances[: len(group)], strict=True)
+        ]
+        begin = stop
+    return found
+
+
+def rescaled(model: Model, data: Data) -> Model:
+    """The model with the powers that fit `data` best, its shapes held."""
+    theta, deviance = rescale(model.theta, model.kinds, data)
+    return Model(model.kinds, theta, deviance)
+
+
+def mean_density(model: Model, data: Data) -> np.ndarray:
+    """The expected density of each bin."""
+    return expected_density(model.theta, model.kinds, data)
+
+
+def candidates(
+    model: Model, data: Data, peaks: tuple[tuple[float, float], ...] = ()
+) -> list[Candidate]:
+    """What each effect would gain beside those that the model holds.
+
+    `peaks` are narrow bands that stand out, as (frequency, half width) in cycles per sample.
+    """
+    starts: list[Start] = []
+    if len(model.kinds.added) < _MOST_ADDED:
+        for name in ADDED:
+            starts += _added(name, _shapes(name, data, peaks), model, data)
+    if model.kinds.shaping is None:
+        starts += _filtered(model, data)
+    return _compare(starts, model, data)
+
+
+def bumps(model: Model, data: Data) -> list[Candidate]:
+    """A smooth bump, where nothing of the catalogue helps."""
+    if model.kinds.shaping is not None:
+        return []
+    starts = []
+    mean, density, shape = mean_density(model, data), data.bins.density, data.bins.shape
+    frequency = data.bins.frequency
+    low, high = frequency[data.bins.used].min(), frequency[data.bins.used].max()
+    for centre in np.geomspace(2 * low, high * 0.9, 12):
+        for width in (0.1, 0.5):
+            weight = shape * np.exp(-((np.log(frequency / centre) / width) ** 2) / 2)
+            if weight.sum() < 1:
+                continue
+            height = np.log(np.sum(weight * density / mean) / weight.sum())
+            three = [6 * np.arctanh(np.clip(height, -5, 5) / 6)]
+            limits = bounds("bump", data.samples)
+            three += [free(centre, *limits[0]), free(width, *limits[1])]
+            starts.append(_shaping_start("bump", three, model))
+    return _compare(starts, model, data)
+
+
+def log_chance(name: str, gain: float) -> float:
+    """Log of the probability that noise alone gains as much by this effect."""
+    trials, freedom = TRIALS[name]
+    return float(min(0.0, np.log(trials) + chi2.logsf(gain, freedom)))
+
+
+def score(name: str, gain: float) -> float:
+    """Twice the log of the odds of rivals, up to a constant: the gain less what it costs."""
+    return gain - _PRICE * TRIALS[name][1]
+
+
+def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
+    found = best([(kinds, theta) for _, kinds, theta in starts], data)
+    leading: dict[str, Model] = {}
+    for (name, _, _), reached in zip(starts, found, strict=True):
+        if name not in leading or reached.deviance < leading[name].deviance:
+            leading[name] = reached
+    return [
+        Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
+        for name, reached in leading.items()
+    ]
+
+
+def _shapes(name: str, data: Data, peaks) -> list[tuple[float, float]]:
+    samples = float(data.samples)
+    if name == "gauss_markov":
+        return [(t, 1.0) for t in np.geomspace(0.6, samples / 12, 8)]
+    if name == "power_law":
+        return [(exponent, 1.0) for exponent in (0.6, 1.5, 2.5)]
+    if name == "resonance":
+        broad = [(f, 2.0) for f in np.geomspace(8 / samples, 0.4, 8)]
+        return broad + [(f, f / (2 * w)) for f, w in peaks]
+    return list(peaks)
+
+
+def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
+    limits = bounds(name, float(data.samples))
+    mean, used = mean_density(model, data), data.bins.used
+    kinds = model.kinds._replace(added=(*model.kinds.added, name))
+    starts: list[Start] = []
+    for first, second in shapes:
+        three = np.array([0.0, free(first, *limits[0]), free(second, *limits[1])])
+        unit = np.asarray(_density(name, three, data.bins.nodes, data.samples))
+        strongest = int(np.argmax(np.where(used, unit / mean, 0.0)))
+        # As much as the data have there above the model, but no less than a weak effect has.
+        seen = float(data.bins.density[strongest] / mean[strongest] - 1)
+        for part in (max(seen, 0.3),) if name != "gauss_markov" else (0.3, max(seen, 0.3)):
+            three[0] = np.log(part * mean[strongest] / unit[strongest])
+            starts.append((name, kinds, np.concatenate([model.theta, three])))
+    return starts
+
+
+def _filtered(model: Model, data: Data) -> list[Start]:
+    limits = bounds("low_pass", float(data.samples))
+    density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
+    starts = []
+    for cutoff in (0.02, 0.08, 0.25, 0.6):
+        for order in (1.0, 2.5):
+            three = [0.0, free(cutoff, *limits[0]), free(order, *limits[1])]
+            name, kinds, theta = _shaping_start("low_pass", three, model)
+            # White noise as it is below the cut-off, and little of what rises beyond it.
+            below = used & (frequency > cutoff / 8) & (frequency < cutoff / 2)
+            if below.any():
+                theta[1] = np.log(np.median(density[below]) / 2)
+            theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
+            starts.append((name, kinds, theta))
+    return starts
+
+
+def _shaping_start(name: str, three: list[float], model: Model) -> Start:
+    theta = np.concatenate([model.theta[:TERMS], three, model.theta[TERMS:]])
+    return name, model.kinds._replace(shaping=name), theta
+
+
+def without(model: Model, name: str) -> Model:
+    """The structure less the last effect of this name, where its other parameters are."""
+    kinds, theta = model.kinds, model.theta
+    if kinds.shaping == name:
+        kept = np.concatenate([theta[:TERMS], theta[TERMS + EACH :]])
+        return Model(kinds._replace(shaping=None), kept, model.deviance)
+    place = len(kinds.added) - 1 - kinds.added[::-1].index(name)
+    begin = kinds.first_slot + EACH * place
+    added = kinds.added[:place] + kinds.added[place + 1 :]
+    kept = np.concatenate([theta[:begin], theta[begin + EACH :]])
+    return Model(kinds._replace(added=added), kept, model.deviance)
+
+
+_density = partial(jax.jit, static_argnums=0)(added_density)

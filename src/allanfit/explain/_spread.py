@@ -1,0 +1,192 @@
+"""Is the noise normal, and as strong at all times? Outliers, bursts, knocks and changing variance.
+
+All of it looks at the whitened record, which is independent and standard normal when nothing is
+amiss, so that each test has a null distribution that does not depend on the sensor.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.optimize import minimize
+from scipy.stats import chi2, norm
+
+# Whitened samples beyond this are pulled in before variances are compared in time.
+_PULLED_IN = 4.0
+_SHORTEST_WINDOW = 32
+_FEWEST_WINDOWS = 8
+# Windows of at most this many are told apart by the hidden Markov model.
+_MOST_WINDOWS = 4096
+
+
+class Contamination(NamedTuple):
+    """A normal mixture: a `fraction` of the samples has spikes of rms `amplitude` added."""
+
+    fraction: float
+    amplitude: float
+    sigma: float
+    #: Draws of (fraction, amplitude, sigma), shape (draws, 3).
+    draws: Float[np.ndarray, "draws three"]
+    #: Twice the log-likelihood gained over one normal distribution.
+    gain: float
+    p_value: float
+
+
+class Modulation(NamedTuple):
+    """Two levels of variance."""
+
+    #: Standard deviation of the loud times over that of the quiet ones, and 95 % of its draws.
+    ratio: float
+    draws: Float[np.ndarray, " draws"]
+    #: Which samples are loud.
+    loud: Bool[np.ndarray, " samples"]
+    #: Samples a window, and the chance of windows as uneven as these.
+    window: int
+    p_value: float
+
+
+def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamination:
+    """Spikes among normal values, by maximum likelihood on their histogram.
+
+    Most of what is said of spikes comes from the tails: the body is summed in narrow bins, so that
+    a million samples cost no more than a thousand.
+    """
+    sigma = float(np.std(values))
+    middle = 1.4826 * float(np.median(np.abs(values)))
+    size = np.abs(values) / middle
+    edges = np.concatenate([np.linspace(0, 6, 241), [np.inf]])
+    body = np.histogram(size, edges)[0].astype(float)
+    centres = (edges[:-2] + edges[1:-1]) / 2 * middle
+    tail = size[size >= 6] * middle
+    points = np.concatenate([centres, tail])
+    weights = np.concatenate([body[:-1], np.ones(tail.size)])
+
+    def negative(parameters: Float[np.ndarray, " three"]) -> float:
+        fraction = 1 / (1 + np.exp(-parameters[0]))
+        core = np.exp(parameters[2])
+        wide = np.hypot(core, np.exp(parameters[1]))
+        mixture = (1 - fraction) * norm.pdf(points, scale=core)
+        mixture += fraction * norm.pdf(points, scale=wide)
+        return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
+
+    # The same histogram under one normal distribution of its own best width.
+    width = np.sqrt(weights @ points**2 / weights.sum())
+    plain = -float(weights @ norm.logpdf(points, scale=width))
+    best = None
+    for fraction, spike in ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0)):
+        start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
+        found = minimize(negative, start, method="Nelder-Mead", options={"maxiter": 900})
+        if best is None or found.fun < best.fun:
+            best = found
+    assert best is not None
+    gain = max(2 * (plain - best.fun), 0.0)
+    draws = _draws(negative, best.x, seed)
+    fractions = 1 / (1 + np.exp(-draws[:, 0]))
+    found = np.stack([fractions, np.exp(draws[:, 1]), np.exp(draws[:, 2])], axis=1)
+    value = 1 / (1 + np.exp(-best.x[0])), np.exp(best.x[1]), np.exp(best.x[2])
+    # Fraction and size are free only where there are spikes; ten places to look for them.
+    chance = float(min(1.0, 10 * chi2.sf(gain, 2)))
+    return Contamination(*(float(v) for v in value), found, gain if sigma else 0.0, chance)
+
+
+def _draws(negative, at: Float[np.ndarray, " k"], seed: int) -> Float[np.ndarray, "draws k"]:
+    """A normal posterior about the maximum, from the curvature there."""
+    size = at.size
+    step = 1e-2
+    hessian = np.zeros((size, size))
+    unit = step * np.eye(size)
+    for i in range(size):
+        for j in range(size):
+            hessian[i, j] = (
+                negative(at + unit[i] + unit[j])
+                - negative(at + unit[i] - unit[j])
+                - negative(at - unit[i] + unit[j])
+                + negative(at - unit[i] - unit[j])
+            ) / (4 * step**2)
+    values, vectors = np.linalg.eigh((hessian + hessian.T) / 2)
+    scale = vectors / np.sqrt(np.maximum(values, 1e-2))
+    return at + np.random.default_rng(seed).standard_normal((2000, size)) @ scale.T
+
+
+def local_power(white: Float[np.ndarray, " samples"], window: int) -> Float[np.ndarray, " windows"]:
+    """Mean square in windows, spikes pulled in."""
+    count = white.size // window
+    pulled = np.clip(white[: count * window], -_PULLED_IN, _PULLED_IN)
+    return np.mean(pulled.reshape(count, window) ** 2, axis=1)
+
+
+def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int]:
+    """The chance that windowed variances differ as they do, and the window that says so best.
+
+    For independent samples the mean squares of W windows of m samples scatter with the variance of
+    one square over m, whatever the distribution: their sum of squares is chi-square with W - 1
+    degrees of freedom. Windows double in length; Bonferroni over them.
+    """
+    squares = np.clip(white, -_PULLED_IN, _PULLED_IN) ** 2
+    one = float(np.var(squares))
+    best, at, levels = 1.0, _SHORTEST_WINDOW, 0
+    window = _SHORTEST_WINDOW
+    while white.size // window >= _FEWEST_WINDOWS:
+        power = local_power(white, window)
+        statistic = np.sum((power - power.mean()) ** 2) * window / one
+        chance = float(chi2.sf(statistic, power.size - 1))
+        levels += 1
+        if chance < best:
+            best, at = chance, window
+        window *= 2
+    return min(1.0, best * max(levels, 1)), at
+
+
+def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
+    """When the noise is loud and when quiet: a hidden Markov model of two variances."""
+    p_value, window = uneven(white)
+    window = max(window // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
+    power = local_power(white, window)
+    path, quiet, loud = _two_levels(power, window)
+    samples = np.zeros(white.size, bool)
+    samples[: path.size * window] = np.repeat(path, window)
+    samples[path.size * window :] = path[-1] if path.size else False
+    rng = np.random.default_rng(seed)
+    freedom = np.maximum([np.sum(~path) * window, np.sum(path) * window], 2)
+    spread = np.sqrt(2 / freedom)
+    log_ratio = np.log(loud / quiet) / 2
+    draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
+    return Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value)
+
+
+def _two_levels(
+    power: Float[np.ndarray, " windows"], window: int
+) -> tuple[Bool[np.ndarray, " windows"], float, float]:
+    """The likeliest path between two variances (Viterbi), and the two, by a few rounds of both."""
+    quiet, loud = np.quantile(power, [0.25, 0.9])
+    path = np.zeros(power.size, bool)
+    # Leaving a level must be worth some evidence, or noise would chop intervals up.
+    switch = np.log(power.size) + 2.0
+    for _ in range(20):
+        levels = np.array([quiet, max(loud, 1.02 * quiet)])
+        # Log-likelihood of a mean square of `window` samples, a Gamma variate.
+        likelihood = -window / 2 * (np.log(levels)[:, None] + power / levels[:, None])
+        score = likelihood[:, 0]
+        came = np.zeros((2, power.size), int)
+        for t in range(1, power.size):
+            across = score[::-1] - switch
+            came[:, t] = np.where(across > score, [1, 0], [0, 1])
+            score = np.maximum(score, across) + likelihood[:, t]
+        found = np.zeros(power.size, int)
+        found[-1] = int(np.argmax(score))
+        for t in range(power.size - 1, 0, -1):
+            found[t - 1] = came[found[t], t]
+        same = np.array_equal(found.astype(bool), path)
+        path = found.astype(bool)
+        if same or not path.any() or path.all():
+            break
+        quiet, loud = float(power[~path].mean()), float(power[path].mean())
+    if not path.any() or path.all():
+        quiet = loud = float(power.mean())
+    return path, quiet, loud
+
+
+def runs(flags: Bool[np.ndarray, " samples"]) -> list[tuple[int, int]]:
+    """`[start, stop)` of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

@@ -1,0 +1,178 @@
+"""The five terms and effects beside them, fitted to a binned spectrum together.
+
+A structure is a choice of effects: at most one that shapes the spectrum, and some noises that add
+to it. Everything is for a sampling interval of one: times in samples, frequencies in cycles per
+sample. The expected density is
+
+    bump(f) (H(f) (N + B + K) + Q + foreign + added noises),
+
+with the filter H in front of the converter, whose rounding and whose angle quantization it does
+not see. Aliases of what passes the filter are in it. `foreign` is white noise of known size that
+does not belong to N.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..physics import Bump, DriftingLine, GaussMarkov, LowPass, PowerLaw, Resonance
+from ._ordinates import _NODES, Bins, averaged
+
+#: Noises that a structure may add, and what may shape it, by name.
+ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, DriftingLine)}
+SHAPING = {effect.name: effect for effect in (LowPass, Bump)}
+TERMS = 4
+# Of each effect: its size, and two numbers that say its shape, the second idle for some.
+EACH = 3
+FLOOR = -60.0
+
+Theta = Float[Array, " parameters"] | Float[np.ndarray, " parameters"]
+
+
+class Kinds(NamedTuple):
+    """What a structure holds; one program is compiled for each."""
+
+    #: "low_pass", "bump" or none.
+    shaping: str | None = None
+    #: Names of the added noises, in the order of their parameters.
+    added: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> int:
+        """Length of theta: log powers of Q, N, B, K, then three numbers of each effect."""
+        return TERMS + EACH * ((self.shaping is not None) + len(self.added))
+
+    @property
+    def first_slot(self) -> int:
+        """Where the parameters of the first added noise begin."""
+        return TERMS + EACH * (self.shaping is not None)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All effects, what shapes first."""
+        return (() if self.shaping is None else (self.shaping,)) + self.added
+
+
+class Data(NamedTuple):
+    """A binned spectrum beside what is known of it before the fit."""
+
+    bins: Bins
+    #: Samples of the longest stretch.
+    samples: float | Float[Array, ""]
+    #: White density that is not N [u^2], and what holding does to white noise, shape (bins,).
+    foreign: float | Float[Array, ""]
+    holding: Float[np.ndarray, " bins"] | Float[Array, " bins"]
+    #: Which of Q, N, B, K the structure has.
+    terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
+
+
+def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    """Where the shape of an effect is looked for, in samples and cycles per sample."""
+    return {
+        # Slower than a sixth of the record it is a random walk or a ramp.
+        "gauss_markov": ((0.2, samples / 6), (0.5, 2.0)),
+        "resonance": ((2 / samples, 0.499), (0.6, 3000.0)),
+        "power_law": ((0.15, 2.95), (0.5, 2.0)),
+        "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.05)),
+        "low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "bump": ((2 / samples, 0.5), (0.03, 3.0)),
+    }[name]
+
+
+def between(u: Any, low: Any, high: Any) -> Float[Array, ""]:
+    """A number between two positive ones, from any real one: logistic in the logarithm."""
+    return jnp.exp(jnp.log(low) + (jnp.log(high) - jnp.log(low)) * jax.nn.sigmoid(u))
+
+
+def free(value: float, low: float, high: float) -> float:
+    """The inverse of `between`, on the host."""
+    part = np.clip((np.log(value) - np.log(low)) / (np.log(high) - np.log(low)), 1e-3, 1 - 1e-3)
+    return float(np.log(part / (1 - part)))
+
+
+def shape_of(name: str, three: Any, samples: Any) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """The two shape parameters of an effect from its three free ones."""
+    first, second = bounds(name, samples)
+    return between(three[1], *first), between(three[2], *second)
+
+
+def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Array, " bins"]:
+    """What an added noise puts into each bin [u^2]; exp(three[0]) is its scale squared."""
+    nodes = jnp.asarray(nodes)
+    first, second = shape_of(name, three, samples)
+    one = jnp.ones(())
+    middle = nodes[:, 1]
+    if name == "gauss_markov":
+        density = GaussMarkov(one, first).density(middle, 1.0, "point")
+    elif name == "power_law":
+        density = PowerLaw(first, one).density(middle, 1.0, "point")
+    else:
+        # A peak narrower than a bin cannot fall between nodes: it is as broad as the bin.
+        breadth = (nodes[:, 2] - nodes[:, 0]) / (_NODES[2] - _NODES[0])
+
+        def peak(f, b):
+            if name == "resonance":
+                broad = 1 / (1 / second + b / first)
+                return Resonance(one, first, broad).density(f, 1.0, "point")
+            return DriftingLine(one, first, jnp.hypot(second, b / 3)).density(f, 1.0, "point")
+
+        density = averaged(jax.vmap(peak)(nodes, breadth))
+    return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
+
+
+def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
+    """|H|^2 with aliases of white noise, |H|^2 itself, the bump; one where there is none."""
+    middle = jnp.asarray(nodes)[:, 1]
+    if shaping == "low_pass":
+        sieve = LowPass(*shape_of("low_pass", three, samples))
+        return sieve.gain(middle, 1.0), sieve.passed(middle, 1.0), jnp.ones_like(middle)
+    if shaping == "bump":
+        bump = Bump(jnp.tanh(three[0] / 6) * 6, *shape_of("bump", three, samples))
+        return jnp.ones_like(middle), jnp.ones_like(middle), bump.gain(middle, 1.0)
+    return jnp.ones_like(middle), jnp.ones_like(middle), jnp.ones_like(middle)
+
+
+def _gains(theta: Theta, kinds: Kinds, data: Data) -> tuple[Any, Any, Any]:
+    return shaped(kinds.shaping, theta[TERMS : TERMS + EACH], data.bins.nodes, data.samples)
+
+
+def powers(theta: Theta, data: Data) -> Float[Array, " terms"]:
+    """Squares of Q, N, B, K."""
+    return jnp.where(jnp.asarray(data.terms), jnp.exp(jnp.clip(theta[:TERMS], FLOOR, 60)), 0.0)
+
+
+def columns(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "bins terms"]:
+    """What unit powers of Q, N, B, K put into each bin, filter and bump included."""
+    folded, passed, bump = _gains(theta, kinds, data)
+    shape = jnp.stack([jnp.ones_like(folded), folded * data.holding, passed, passed], axis=1)
+    return jnp.asarray(data.bins.expected) * shape * bump[:, None]
+
+
+def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slots bins"]:
+    """What each added noise puts into each bin, the bump included."""
+    _, _, bump = _gains(theta, kinds, data)
+    slots = theta[kinds.first_slot :].reshape(-1, EACH)
+    found = [
+        added_density(name, three, data.bins.nodes, data.samples) * bump
+        for name, three in zip(kinds.added, slots, strict=True)
+    ]
+    return jnp.stack(found) if found else jnp.zeros((0, bump.shape[0]))
+
+
+def expected(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, " bins"]:
+    """The expected density of each bin [u^2]."""
+    _, _, bump = _gains(theta, kinds, data)
+    noise = columns(theta, kinds, data) @ powers(theta, data)
+    return noise + effects_density(theta, kinds, data).sum(axis=0) + data.foreign * bump
+
+
+def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
+    """Which parameters are not idle."""
+    flags = []
+    for name in kinds.names:
+        # A filter has no size, and some noises one number for their shape.
+        flags += [name != "low_pass", True, name not in ("gauss_markov", "power_law")]
+    return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])

@@ -1,0 +1,55 @@
+"""A record made white, so that what is left shows what no spectrum can.
+
+The level is the five-term fit times a smoothed, robust ratio of the data to it, so that a record is
+white after it whatever its noise, except where something is narrow or does not last.
+"""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.fft import dct, idct
+
+from ._ordinates import Ordinates
+
+# The lowest modes hold ramps and what a few degrees of freedom say of drift.
+_DROPPED = 6
+_BINS_PER_DECADE = 10
+_FEWEST = 24
+# The median of a chi-square with one degree of freedom over its mean.
+_MEDIAN = 0.45494
+
+
+def level(
+    spectrum: Ordinates, mean: Float[np.ndarray, " ordinates"]
+) -> Float[np.ndarray, " ordinates"]:
+    """Expected ordinates [u^2], smooth and deaf to lines, from a model's `mean` of them."""
+    ratio = spectrum.amplitude**2 / mean
+    order = np.log10(spectrum.frequency * 2 * spectrum.longest)
+    index = np.floor(order * _BINS_PER_DECADE).astype(int)
+    starts = np.flatnonzero(np.diff(index, prepend=index[0] - 1))
+    stops = np.append(starts[1:], index.size)
+    at, values = [], []
+    for start, stop in zip(starts, stops, strict=True):
+        if stop - start >= _FEWEST:
+            at.append(order[(start + stop) // 2])
+            values.append(np.log(np.median(ratio[start:stop]) / _MEDIAN))
+    if not at:
+        return mean
+    return mean * np.exp(np.interp(order, at, values))
+
+
+def whitened(
+    piece: Float[np.ndarray, " samples"],
+    spectrum: Ordinates,
+    expected: Float[np.ndarray, " ordinates"],
+    notches: tuple[float, ...] = (),
+) -> Float[np.ndarray, " samples"]:
+    """One stretch with unit variance at all frequencies; zero at `notches` [cycles per sample]."""
+    coefficients = dct(piece - piece.mean(), norm="ortho")
+    frequency = np.arange(piece.size) / (2 * piece.size)
+    # An ordinate is 2 c^2.
+    variance = np.interp(frequency, spectrum.frequency, expected) / 2
+    coefficients /= np.sqrt(variance)
+    coefficients[:_DROPPED] = 0.0
+    for notch in notches:
+        coefficients[np.abs(frequency - notch) < 2.5 / piece.size] = 0.0
+    return idct(coefficients, norm="ortho")
