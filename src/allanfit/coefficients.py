@@ -1,12 +1,12 @@
-"""Read noise coefficients from a file: a fit's JSON, or a few lines of YAML or JSON."""
+"""Read noise coefficients from a file: JSON of a fit or of explain, or lines of YAML or JSON."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from .physics import SYMBOLS, Sampling
+from .physics import SYMBOLS, AbstractEffect, Sampling, effect_from, scaled
 
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
 
@@ -17,25 +17,40 @@ class CoefficientsError(ValueError):
 
 @dataclass(frozen=True)
 class Coefficients:
-    """The coefficients of one channel, in its unit and seconds."""
+    """The coefficients and effects of one channel, in its unit and seconds."""
 
     channel: str
     unit: str
     values: dict[str, float]
     sampling: Sampling = "point"
     bias: float = 0.0
+    effects: tuple[AbstractEffect, ...] = ()
+
+    def times(self, factor: float, unit: str) -> "Coefficients":
+        """The same in another unit."""
+        return replace(
+            self,
+            unit=unit,
+            values={symbol: value * factor for symbol, value in self.values.items()},
+            bias=self.bias * factor,
+            effects=tuple(scaled(effect, factor) for effect in self.effects),
+        )
 
 
 def read_coefficients(path: str | Path, channels: list[str] | None = None) -> list[Coefficients]:
     """The coefficients of each channel of a file.
 
     A fit's JSON (schema allanfit.fit/1) gives every channel, with the values that its figure
-    draws: medians, and no ramp where none is resolved. Any other JSON or YAML file is a mapping
-    of symbols to numbers, with an optional `unit`, for one channel named `data`:
+    draws: medians, and no ramp where none is resolved. That of explain (schema
+    allanfit.explain/1) gives the coefficients beside the effects that it names, and the effects.
+    Any other JSON or YAML file is a mapping of symbols to numbers, with an optional `unit` and
+    `effects`, for one channel named `data`:
 
         unit: deg/s
         N: 0.005
         B: 0.001
+        effects:
+        - {name: gauss_markov, sigma: 0.002, correlation_time: 30}
 
     **Raises:** `CoefficientsError` if the file is missing, no such mapping, or lacks a channel.
     """
@@ -76,13 +91,45 @@ def _parse(path: Path) -> Mapping[str, Any]:
     return document
 
 
+def coefficients_of(entry: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The coefficients by symbol of a channel of a JSON: a fit's, or explain's beside its effects.
+
+    **Raises:** `KeyError` if it has none.
+    """
+    if "coefficients" in entry:
+        return entry["coefficients"]
+    # Where nothing is left out there is nothing to put in.
+    return entry["coefficients_after"] or entry["coefficients_before"]
+
+
+def effects_of(entry: Mapping[str, Any]) -> tuple[AbstractEffect, ...]:
+    """The effects of a channel of explain's JSON, or of YAML, in the unit of the channel.
+
+    In the one a parameter is a mapping with its `value` under `parameters`, in the other a number
+    beside the name.
+
+    **Raises:** `KeyError`, `TypeError` or `ValueError` if it is neither.
+    """
+    found = []
+    for each in entry.get("effects") or []:
+        given = each.get("parameters", {key: each[key] for key in each if key != "name"})
+        values = {
+            name: value["value"] if isinstance(value, Mapping) else value
+            for name, value in given.items()
+        }
+        known = {name: value for name, value in values.items() if value is not None}
+        found.append(effect_from(str(each["name"]), known))
+    return tuple(found)
+
+
 def _from_fit(entry: Any, path: Path) -> Coefficients:
     try:
+        terms = coefficients_of(entry)
         values = {
-            symbol: float(entry["coefficients"][symbol]["value"])
+            symbol: float(terms[symbol]["value"])
             for symbol in SYMBOLS
             # Half of all ramps that cannot be seen point the other way.
-            if symbol != "R" or entry["coefficients"][symbol]["resolved"]
+            if symbol != "R" or terms[symbol]["resolved"]
         }
         return Coefficients(
             entry["channel"],
@@ -90,16 +137,18 @@ def _from_fit(entry: Any, path: Path) -> Coefficients:
             _checked(values, path),
             entry.get("sampling", "point"),
             float(entry.get("mean", 0.0)),
+            _effects(entry, path),
         )
     except (KeyError, TypeError) as error:
         raise CoefficientsError(_INCOMPLETE.format(path.name)) from error
 
 
 def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
-    unknown = sorted(str(key) for key in set(document) - {*SYMBOLS, "unit", "sampling"})
+    unknown = sorted(str(key) for key in set(document) - {*SYMBOLS, "unit", "sampling", "effects"})
     if unknown:
         raise CoefficientsError(
-            f"{path.name} names {unknown[0]!r}; known are {', '.join(SYMBOLS)}, unit and sampling."
+            f"{path.name} names {unknown[0]!r}; known are {', '.join(SYMBOLS)}, unit, sampling "
+            "and effects."
         )
     sampling = document.get("sampling", "point")
     if sampling not in ("point", "averaged"):
@@ -107,7 +156,25 @@ def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
     values = {symbol: document[symbol] for symbol in SYMBOLS if symbol in document}
     if not values:
         raise CoefficientsError(f"{path.name} holds none of the coefficients {', '.join(SYMBOLS)}.")
-    return Coefficients("data", str(document.get("unit", "")), _checked(values, path), sampling)
+    return Coefficients(
+        "data",
+        str(document.get("unit", "")),
+        _checked(values, path),
+        sampling,
+        effects=_effects(document, path),
+    )
+
+
+def _effects(entry: Mapping[str, Any], path: Path) -> tuple[AbstractEffect, ...]:
+    try:
+        return effects_of(entry)
+    except ValueError as error:
+        raise CoefficientsError(f"In {path.name}, {error}.") from error
+    except (KeyError, TypeError, AttributeError) as error:
+        raise CoefficientsError(
+            f"An effect in {path.name} needs its name and parameters, such as "
+            "{name: warm_up, amplitude: 0.1, time_constant: 600}."
+        ) from error
 
 
 def _checked(values: Mapping[str, Any], path: Path) -> dict[str, float]:

@@ -1,11 +1,11 @@
 """Draw recordings from a noise model."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import jax
 from jaxtyping import Array, Float
 
-from .physics import Sampling, standard_model
+from .physics import AbstractEffect, Sampling, draw_recording, standard_model
 
 
 def simulate(
@@ -16,6 +16,7 @@ def simulate(
     seed: int,
     sampling: Sampling = "point",
     bias: float = 0.0,
+    effects: Sequence[AbstractEffect] = (),
 ) -> Float[Array, " samples"]:
     """A record with the five terms, exact in law: no filter or sum of relaxations stands in.
 
@@ -27,6 +28,8 @@ def simulate(
     - `seed`: the same seed gives the same record.
     - `sampling`: "point" or "averaged", see `allanfit.physics`.
     - `bias`: constant added [u].
+    - `effects`: from `allanfit.physics`, beside the five terms; in whatever order they are given,
+      they act in that of a sensor (`allanfit.physics.draw_recording`).
 
     **Returns:** samples [u], shape (round(duration_s rate_hz),).
 
@@ -48,4 +51,5 @@ def simulate(
             f"coefficient {negative[0]} must be zero or more; got {coefficients[negative[0]]}"
         )
     model = standard_model(coefficients)
-    return bias + model.sample(jax.random.key(seed), samples, 1 / rate_hz, sampling)
+    key = jax.random.key(seed)
+    return draw_recording(key, model, effects, samples, 1 / rate_hz, sampling, bias)

@@ -62,3 +62,57 @@ def write_fit(tmp_path):
 @pytest.fixture
 def make_channel():
     return channel
+
+
+EFFECTS = {
+    "gauss_markov": {"sigma": (0.004, "deg/s"), "correlation_time": (30.0, "s")},
+    "resonance": {
+        "sigma": (0.003, "deg/s"),
+        "frequency": (7.0, "Hz"),
+        "quality_factor": (4.0, ""),
+    },
+    "sinusoid": {"amplitude": (0.02, "deg/s"), "frequency": (13.0, "Hz")},
+    "variance_modulation": {"ratio": (3.0, ""), "intervals": ([[10.0, 20.0]], "s")},
+}
+
+
+@pytest.fixture
+def write_explained(tmp_path):
+    """Writes the JSON of explain with these channels, all with these effects."""
+
+    def write(*channels, effects=EFFECTS, verdict="explained"):
+        entries = []
+        for entry in channels:
+            left = {key: value for key, value in entry.items() if key != "coefficients"}
+            after = entry["coefficients"]
+            # Left out, the effects made B what it is not.
+            before = {**after, "B": {**after["B"], "value": 7 * after["B"]["value"]}}
+            named = [
+                {
+                    "name": name,
+                    "probability": 0.9,
+                    "alternatives": [],
+                    "parameters": {
+                        key: {"value": value, "unit": unit, "intervals": {"0.95": [0, 1]}}
+                        for key, (value, unit) in parameters.items()
+                    },
+                    "sentence": "It is there.",
+                }
+                for name, parameters in effects.items()
+            ]
+            entries.append(
+                {
+                    **left,
+                    "duration_s": entry["samples"] / entry["rate_hz"],
+                    "verdict": verdict,
+                    "effects": named,
+                    "coefficients_before": before,
+                    "coefficients_after": after if effects else {},
+                }
+            )
+        document = {"schema": "allanfit.explain/1", "recording": "still.csv", "channels": entries}
+        path = tmp_path / "explain.json"
+        path.write_text(json.dumps(document))
+        return path
+
+    return write

@@ -218,7 +218,7 @@ def test_units_and_rates_that_do_not_fit_are_refused(write_fit, make_channel, na
 
 
 def test_what_is_no_fit_is_refused(write_fit, make_channel, tmp_path):
-    explained = write_fit(make_channel("g"), schema="allanfit.explain/1")
+    explained = write_fit(make_channel("g"), schema="allanfit.plan/1")
     with pytest.raises(ExportError, match=r"fit\.json is not a fit"):
         export(explained, "kalman")
     for text, message in {

@@ -100,7 +100,10 @@ app.command()(explain)
 @app.command()
 def simulate(
     coefficients: Annotated[
-        Path, typer.Argument(help="A fit's JSON, or YAML or JSON such as {unit: deg/s, N: 0.005}.")
+        Path,
+        typer.Argument(
+            help="JSON of fit or explain, or YAML or JSON such as {unit: deg/s, N: 0.005}."
+        ),
     ],
     duration: Annotated[float, typer.Option(help="Length in seconds.")],
     rate: Annotated[float, typer.Option(help="Samples per second.")],
@@ -108,7 +111,7 @@ def simulate(
     channel: Channels = None,
     seed: Seed = 0,
 ) -> None:
-    """Draw a recording from coefficients, exactly, for all five terms.
+    """Draw a recording from coefficients, exactly, for all five terms, and effects with them.
 
     Example: allanfit simulate fit.json --duration 3600 --rate 100 --seed 1 --output sim.npz
     """
@@ -122,6 +125,7 @@ def simulate(
             seed=seed * 1_000_003 + index,
             sampling=entry.sampling,
             bias=entry.bias,
+            effects=entry.effects,
         )
         columns[entry.channel] = np.asarray(samples)
         units[entry.channel] = entry.unit
@@ -160,7 +164,7 @@ def plan(
 
 @app.command()
 def export(
-    fit: Annotated[Path, typer.Argument(help="JSON that allanfit fit --json wrote.")],
+    fit: Annotated[Path, typer.Argument(help="JSON that fit --json or explain --json wrote.")],
     format: Annotated[str, typer.Option(help=f"One of {', '.join(FORMATS)}.")],
     output: Annotated[str, typer.Option(help="File to write; - is stdout.")] = "-",
     channel: Channels = None,

@@ -5,6 +5,7 @@ filter of one's own, `realise` gives the parts of a state-space model, `stack` p
 origin together, and `discretise` gives its matrices at a time step.
 """
 
+from ._effect_parts import gauss_markov as gauss_markov
 from ._errors import ExportError as ExportError
 from ._export import FORMATS as FORMATS
 from ._export import export as export
@@ -15,7 +16,6 @@ from ._gauss_markov import fit_relaxations as fit_relaxations
 from ._options import Options as Options
 from ._options import parse_walk as parse_walk
 from ._parts import Realised as Realised
-from ._parts import gauss_markov as gauss_markov
 from ._parts import realise as realise
 from ._read import FitChannel as FitChannel
 from ._read import FitFile as FitFile

@@ -44,11 +44,12 @@ def export(
     *,
     channels: list[str] | None = None,
 ) -> Exported:
-    """A fit's JSON file as the text of another program's file.
+    """A fit's or explain's JSON file as the text of another program's file.
 
     **Arguments:**
 
-    - `fit`: path of a JSON that `allanfit fit --json` wrote.
+    - `fit`: path of a JSON that `allanfit fit --json` or `allanfit explain --json` wrote; of the
+      latter, the coefficients beside its effects.
     - `target`: kalman, kalibr, ros, matlab, yaml or imu-error-model.
     - `options`: choices, see `Options`.
     - `channels`: those to export; all unless given.
@@ -68,7 +69,8 @@ def export(
         _refuse_without_white_noise(found)
     exported = writer(found, options)
     doubts = [
-        f"The five terms do not explain {channel.name}: its numbers describe it in part only."
+        f"The five terms{' and what explain names' if channel.effects else ''} do not explain "
+        f"{channel.name}: its numbers describe it in part only."
         for channel in found.channels
         if not channel.consistent
     ]

@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from ._effect_parts import STATES, effect_entries, left_out
 from ._errors import ExportError
 from ._exported import Exported
 from ._options import LIMIT, Options
@@ -115,6 +116,8 @@ def _channel_entry(channel: FitChannel, realised: Realised) -> dict[str, Any]:
         "coefficients": coefficients,
         **_system_entry(stack([realised.parts]), channel.dt),
     }
+    if channel.effects:
+        entry["effects"] = effect_entries(channel, realised.effects)
     if realised.flicker is not None:
         entry["flicker"] = {
             "states": len(realised.flicker.relaxations),
@@ -161,7 +164,7 @@ def _warnings(channels: Sequence[FitChannel], options: Options, rates: int) -> l
             notes.append(
                 f"Q of {channel.name} is not in the matrices: it is noise of the integrated signal."
             )
-    return notes
+    return [*notes, *left_out(channels, "A filter of these matrices", STATES)]
 
 
 def _compact(document: dict[str, Any]) -> str:

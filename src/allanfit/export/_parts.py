@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..physics import BiasInstability
+from ._effect_parts import effect_parts, gauss_markov
 from ._gauss_markov import Approximation, fit_relaxations
 from ._read import FitChannel
 from ._state_space import Part, State
@@ -17,12 +18,13 @@ FIRST_SAMPLES = 4
 
 
 class Realised(NamedTuple):
-    """The parts of one channel, and a sentence for each term that says how it entered."""
+    """The parts of one channel, and sentences that say how each term and effect entered."""
 
     parts: list[Part]
     how: dict[str, str]
     flicker: Approximation | None
     """With variances in the unit of the channel squared."""
+    effects: list[str]
 
 
 class _Term(NamedTuple):
@@ -39,7 +41,7 @@ def default_band(channel: FitChannel) -> tuple[float, float]:
 def realise(
     channel: FitChannel, band_s: tuple[float, float] | None = None, *, walk_limit: bool = False
 ) -> Realised:
-    """State-space parts for each term of a fit.
+    """State-space parts for each term of a fit, and for the effects that have states.
 
     **Arguments:** `band_s`: averaging times in which flicker must be right [s]. `walk_limit`:
     drive a bias whose random walk is not resolved by its 95 % upper limit instead of not at all.
@@ -54,10 +56,12 @@ def realise(
         "K": _walk(channel, walk_limit),
         "R": _ramp(channel),
     }
+    parts, effects = effect_parts(channel)
     return Realised(
-        [part for term in found.values() for part in term.parts],
+        [*(part for term in found.values() for part in term.parts), *parts],
         {symbol: term.how for symbol, term in found.items()},
         found["B"].flicker,
+        effects,
     )
 
 
@@ -99,13 +103,6 @@ def _flicker(channel: FitChannel, band_s: tuple[float, float]) -> _Term:
         f"within {scaled.worst_error:.1%} from {band_s[0]:.4g} s to {band_s[1]:.4g} s"
     )
     return _Term(parts, how, scaled)
-
-
-def gauss_markov(term: str, name: str, unit: str, time_s: float, variance: float) -> Part:
-    """A stationary relaxation: b' = -b/T + w, Qc = 2 sigma^2/T."""
-    one = np.ones((1, 1))
-    state = State(name, unit, variance)
-    return Part(term, (state,), -one / time_s, one, 2 * variance / time_s * one, one)
 
 
 def _walk(channel: FitChannel, limit: bool) -> _Term:

@@ -1,4 +1,4 @@
-"""The channels of a fit's JSON, checked, as exports need them."""
+"""The channels of a fit's JSON, or of explain's, checked, as exports need them."""
 
 import json
 import math
@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..physics import SYMBOLS
+from ..coefficients import coefficients_of, effects_of
+from ..physics import SYMBOLS, AbstractEffect
 from ..recording._units import parse_unit
 from ..report._format import printable
 from ._errors import ExportError
 
-_SCHEMA = "allanfit.fit/"
+_SCHEMAS = ("allanfit.fit/", "allanfit.explain/")
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,10 @@ class FitChannel:
     sampling: str
     mean: float
     consistent: bool
-    """False if the five terms do not explain the recording."""
+    """False if the terms, with the effects if there are any, do not explain the recording."""
     coefficients: dict[str, Coefficient]
+    effects: tuple[AbstractEffect, ...] = ()
+    """In the channel's unit."""
 
     @property
     def dt(self) -> float:
@@ -94,7 +97,9 @@ class FitFile:
 
 
 def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
-    """A fit's JSON, whole or the channels named.
+    """A fit's JSON, or explain's, whole or the channels named.
+
+    Of explain's the coefficients are those beside its effects.
 
     **Raises:** `ExportError` if the file is missing, is no fit, or lacks a channel.
     """
@@ -107,14 +112,15 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
     except ValueError as error:
         raise ExportError(_no_fit(name)) from error
     schema = document.get("schema") if isinstance(document, dict) else None
-    if not (isinstance(schema, str) and schema.startswith(_SCHEMA)):
+    if not (isinstance(schema, str) and schema.startswith(_SCHEMAS)):
         raise ExportError(_no_fit(name))
     try:
         found = [_channel(entry) for entry in document["channels"]]
         recording = str(document["recording"])
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ExportError(
-            f"{name} is not a complete fit JSON; write it again with allanfit fit --json."
+            f"{name} is not a complete fit JSON; write it again with allanfit fit --json or "
+            "allanfit explain --json."
         ) from error
     known = [channel.name for channel in found]
     missing = [channel for channel in channels or [] if channel not in known]
@@ -126,13 +132,17 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
 
 
 def _no_fit(name: str) -> str:
-    return f"{name} is not a fit; give the JSON that allanfit fit --json wrote."
+    return (
+        f"{name} is not a fit; give the JSON that allanfit fit --json wrote, or allanfit explain."
+    )
 
 
 def _channel(entry: Mapping[str, Any]) -> FitChannel:
     unit = str(entry["unit"])
     known = parse_unit(unit)
-    coefficients = {s: _coefficient(s, entry["coefficients"][s]) for s in SYMBOLS}
+    terms = coefficients_of(entry)
+    rate_hz = _positive(entry["rate_hz"])
+    samples = entry["samples"] if "samples" in entry else rate_hz * _positive(entry["duration_s"])
     sampling = entry.get("sampling", "point")
     if sampling not in ("point", "averaged"):
         raise ValueError(sampling)
@@ -142,12 +152,14 @@ def _channel(entry: Mapping[str, Any]) -> FitChannel:
         kind=known.kind,
         si_factor=known.factor,
         si_unit=known.si_unit,
-        rate_hz=_positive(entry["rate_hz"]),
-        samples=round(_positive(entry["samples"])),
+        rate_hz=rate_hz,
+        samples=round(_positive(samples)),
         sampling=sampling,
         mean=float(entry.get("mean", 0.0)),
-        consistent=entry.get("goodness_of_fit", {}).get("consistent") is not False,
-        coefficients=coefficients,
+        consistent=entry.get("goodness_of_fit", {}).get("consistent") is not False
+        and entry.get("verdict") != "unexplained",
+        coefficients={symbol: _coefficient(symbol, terms[symbol]) for symbol in SYMBOLS},
+        effects=effects_of(entry),
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..physics import BiasInstability, RateRandomWalk, WhiteNoise, coefficient_unit
 from ..report._format import printable, significant
+from ._effect_parts import left_out
 from ._errors import ExportError
 from ._options import LIMIT, Options
 from ._read import Coefficient, FitChannel
@@ -152,7 +153,12 @@ def sensors(channels: Sequence[FitChannel], what: str) -> tuple[dict[str, Sensor
             f"{one} has {first:g} Hz and {other} {second:g} Hz, and {what} takes one rate: choose "
             "channels of one rate with --channel."
         )
-    return found, notes
+    return found, [*notes, *left_out(known, _capital(what), frozenset())]
+
+
+def _capital(words: str) -> str:
+    """`a ROS estimator` begins a sentence, `imuSensor` is a name."""
+    return words[0].upper() + words[1:] if words.startswith("a ") else words
 
 
 def _root_mean_square(values: Iterable[float]) -> float:

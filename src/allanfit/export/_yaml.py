@@ -1,5 +1,6 @@
 """Coefficients as YAML, which `allanfit simulate` and `allanfit plan` read back."""
 
+from ..physics import parameter_unit, parameter_values
 from ._exported import Exported
 from ._options import Options
 from ._read import Coefficient, FitChannel, FitFile
@@ -35,7 +36,28 @@ def _channel_lines(channel: FitChannel) -> list[str]:
     ]
     for term in channel.coefficients.values():
         lines += _term_lines(term)
+    return lines + _effect_lines(channel)
+
+
+def _effect_lines(channel: FitChannel) -> list[str]:
+    """Each effect with its parameters, as `allanfit simulate` reads them."""
+    lines = ["  effects:"] if channel.effects else []
+    for effect in channel.effects:
+        values = parameter_values(effect)
+        lines.append(f"  - name: {effect.name}")
+        lines += [
+            f"    {each.name}: {_numbers(values[each.name].tolist())}"
+            f"  # {parameter_unit(each, channel.unit)}".removesuffix("  # ")
+            for each in effect.parameters
+            if each.name in values
+        ]
     return lines
+
+
+def _numbers(value: float | list) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_numbers(each) for each in value)}]"
+    return number(value)
 
 
 def _term_lines(term: Coefficient) -> list[str]:

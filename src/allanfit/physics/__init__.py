@@ -16,6 +16,9 @@ from ._effect import AbstractEffect as AbstractEffect
 from ._effect import AbstractFilter as AbstractFilter
 from ._effect import AbstractMean as AbstractMean
 from ._effect import Parameter as Parameter
+from ._effect_units import parameter_unit as parameter_unit
+from ._effect_units import parameter_values as parameter_values
+from ._effect_units import scaled as scaled
 from ._gauss_markov import GaussMarkov as GaussMarkov
 from ._low_pass import LowPass as LowPass
 from ._model import STANDARD_TERMS as STANDARD_TERMS
@@ -29,6 +32,7 @@ from ._quantization import QuantizationNoise as QuantizationNoise
 from ._random_telegraph import RandomTelegraph as RandomTelegraph
 from ._rate_ramp import RateRamp as RateRamp
 from ._rate_random_walk import RateRandomWalk as RateRandomWalk
+from ._recording import draw_recording as draw_recording
 from ._resonance import Resonance as Resonance
 from ._sample_hold import SampleHold as SampleHold
 from ._saturation import Saturation as Saturation

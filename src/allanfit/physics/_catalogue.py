@@ -1,10 +1,12 @@
 """All effects beyond the five terms, by the name that explain's JSON gives them."""
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 
 from ._bump import Bump
 from ._disturbance import Disturbance
@@ -55,6 +57,20 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 }
 # Parameters that are arrays, by their number of axes.
 _AXES = {"times": 1, "intervals": 2}
+_SIGNED = {"amplitude", "height", "sensitivity", "coefficient"}
+# Of the others, those that may be zero or must not be large.
+_RANGES = {
+    "sigma": (0.0, math.inf),
+    "density": (0.0, math.inf),
+    "fraction": (0.0, 0.99),
+    "repeat": (1.0, math.inf),
+}
+_RANGE_WORDS = {
+    "sigma": "zero or more",
+    "density": "zero or more",
+    "fraction": "between 0 and 0.99",
+    "repeat": "1 or more",
+}
 
 
 def effect_from(name: str, parameters: Mapping[str, Any]) -> AbstractEffect:
@@ -94,7 +110,8 @@ def field_of(parameter: Parameter) -> str:
 def _array(name: str, parameter: Parameter, value: Any):
     axes = _AXES.get(parameter.name, 0)
     try:
-        array = jnp.asarray(value, float)
+        # YAML takes 5e-3, without a point, for text, which NumPy reads.
+        array = jnp.asarray(np.asarray(value, float))
     except (TypeError, ValueError):
         array = jnp.asarray(jnp.nan)
     if axes == 1:
@@ -105,4 +122,9 @@ def _array(name: str, parameter: Parameter, value: Any):
     if not (array.ndim in shapes and pairs and bool(jnp.all(jnp.isfinite(array)))):
         kind = ("a number", "numbers, one a time", "pairs of start and end")[axes]
         raise ValueError(f"{parameter.name} of {name} must be {kind}; got {value!r}")
+    if axes == 0 and parameter.name not in _SIGNED:
+        low, high = _RANGES.get(parameter.name, (math.ulp(0.0), math.inf))
+        if not low <= float(array) <= high:
+            allowed = _RANGE_WORDS.get(parameter.name, "above zero")
+            raise ValueError(f"{parameter.name} of {name} must be {allowed}; got {value!r}")
     return array

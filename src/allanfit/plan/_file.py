@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..coefficients import Coefficients, read_coefficients
+from ..coefficients import Coefficients, coefficients_of, read_coefficients
 from ..physics import SYMBOLS, Sampling
 from ._plan import Plan, plan
 from ._want import checked_want
@@ -78,7 +78,7 @@ def _unresolved(path: Path) -> dict[str, set[str]]:
         return {}
     return {
         entry["channel"]: {
-            symbol for symbol in SYMBOLS if not entry["coefficients"][symbol].get("resolved", True)
+            symbol for symbol in SYMBOLS if not coefficients_of(entry)[symbol].get("resolved", True)
         }
         for entry in document.get("channels", [])
     }

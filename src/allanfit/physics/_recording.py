@@ -1,0 +1,92 @@
+"""A recording of the five terms with effects: which comes first in a sensor."""
+
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from ._bump import Bump
+from ._dropped_samples import DroppedSamples
+from ._effect import AbstractAddedNoise, AbstractEffect, AbstractMean
+from ._filtering import filtered
+from ._low_pass import LowPass
+from ._model import NoiseModel
+from ._outliers import Outliers
+from ._output_rounding import OutputRounding
+from ._sample_hold import SampleHold
+from ._saturation import Saturation
+from ._temperature import Temperature
+from ._term import Sampling
+from ._variance_modulation import VarianceModulation
+from ._vibration_rectification import VibrationRectification
+
+# What the sensor feels, then what it makes of it, then what becomes of the number it sends.
+_FELT = (
+    AbstractAddedNoise,
+    AbstractMean,
+    Temperature,
+    VibrationRectification,
+    Outliers,
+    DroppedSamples,
+)
+_SENT = (Saturation, OutputRounding, SampleHold)
+# Beside those of the terms.
+_KEYS = 1000
+
+
+def draw_recording(
+    key: PRNGKeyArray,
+    model: NoiseModel,
+    effects: Sequence[AbstractEffect],
+    samples: int,
+    dt: float,
+    sampling: Sampling,
+    bias: float = 0.0,
+) -> Float[Array, " samples"]:
+    """Draw the terms of a model and apply effects, in the order of a sensor.
+
+    That order is low-pass filters, bumps, modulation of the noise, added noises and means,
+    outliers, lost samples, the bias, the end of the range, rounding and holding, whatever the
+    order of `effects`. A filter passes white noise with its aliases and slow noise without any,
+    and neither the quantization noise, which the counting behind it makes, nor the ramp, which
+    it does not change.
+    """
+    length = samples
+    for effect in effects:
+        if isinstance(effect, DroppedSamples):
+            length = effect.enough(length)
+    keys = [jax.random.fold_in(key, _KEYS + index) for index in range(len(effects))]
+    terms = {
+        term.symbol: term.sample(jax.random.fold_in(key, index), length, dt, sampling)
+        for index, term in enumerate(model.terms)
+    }
+
+    def of(*kinds: type[AbstractEffect]):
+        """Effects of these kinds, kind by kind, with their keys."""
+        return (
+            (effect, each)
+            for kind in kinds
+            for effect, each in zip(effects, keys, strict=True)
+            if isinstance(effect, kind)
+        )
+
+    for effect, each in of(LowPass):
+        assert isinstance(effect, LowPass)
+        for symbol in terms.keys() & {"N", "B", "K"}:
+            terms[symbol] = (
+                effect.apply(each, terms[symbol], dt, sampling)
+                if symbol == "N"
+                else filtered(terms[symbol], lambda f, h=effect: h.passed(f, dt), dt)
+            )
+    ramp = terms.pop("R", jnp.zeros(()))
+    drawn = sum(terms.values(), jnp.zeros(length))
+    for effect, each in of(Bump, VarianceModulation):
+        drawn = effect.apply(each, drawn, dt, sampling)
+    drawn += ramp
+    for effect, each in of(*_FELT):
+        drawn = effect.apply(each, drawn, dt, sampling)
+    drawn += bias
+    for effect, each in of(*_SENT):
+        drawn = effect.apply(each, drawn, dt, sampling)
+    return drawn[:samples]
