@@ -136,7 +136,9 @@ def test_effects_in_lines_of_yaml(tmp_path):
     (entry,) = read_coefficients(path)
     assert [each.name for each in entry.effects] == ["saturation", "step"]
     samples = np.asarray(
-        allanfit.simulate(entry.values, duration_s=8.0, rate_hz=100.0, seed=1, effects=entry.effects)
+        allanfit.simulate(
+            entry.values, duration_s=8.0, rate_hz=100.0, seed=1, effects=entry.effects
+        )
     )
     assert np.abs(samples).max() == 0.05
     assert (samples[450:] == -0.05).mean() > 0.99
