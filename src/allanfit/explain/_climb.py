@@ -42,7 +42,7 @@ def rescale(
         [np.arange(TERMS), kinds.first_slot + EACH * np.arange(len(kinds.added))]
     )
     moving = active(kinds, data.terms)[sizes]
-    columns, bump, added = _parts(theta[None], kinds, data)
+    columns, bump, added = parts(theta[None], kinds, data)
     rows = [columns[0].T]
     rows += [
         (density[0] * bump[0] / np.exp(max(theta[place], FLOOR)))[None]
@@ -52,9 +52,9 @@ def rescale(
     foreign = float(data.foreign) * bump[0]
 
     def slopes(logs):
-        parts = np.where(moving, np.exp(np.clip(logs, FLOOR, 60)), 0.0)[..., None] * unit
-        total = parts.sum(axis=1) + foreign
-        return total, np.moveaxis(parts / total[:, None], 1, 2)
+        share = np.where(moving, np.exp(np.clip(logs, FLOOR, 60)), 0.0)[..., None] * unit
+        total = share.sum(axis=1) + foreign
+        return total, np.moveaxis(share / total[:, None], 1, 2)
 
     reached, value = _ascend(
         np.array(theta[sizes][None]), moving, lambda logs: slopes(logs)[0], slopes, data
@@ -71,7 +71,7 @@ def expected_density(
     return _mean(theta[None], kinds, data, slopes=False)[0][0]
 
 
-def _parts(theta: Starts, kinds: Kinds, data: Data):
+def parts(theta: Starts, kinds: Kinds, data: Data):
     """Columns of the terms, the bump, and what each added noise puts into each bin."""
     folded, passed, bump = _shape(theta, kinds, data, slopes=False)[0]
     shape = np.stack([np.ones_like(folded), folded * data.holding, passed, passed], axis=2)
@@ -100,7 +100,7 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
 
 def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     """The expected density for each start, shape (starts, bins), and d ln of it/d theta."""
-    columns, bump, added = _parts(theta, kinds, data)
+    columns, bump, added = parts(theta, kinds, data)
     terms = np.asarray(data.terms)
     power = np.where(terms, np.exp(np.clip(theta[:, :TERMS], FLOOR, 60)), 0.0)
     noise = columns * power[:, None]
@@ -108,7 +108,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     total = inner + sum((each * bump for each in added), np.zeros_like(bump))
     if not slopes:
         return total, None
-    parts = [noise]
+    blocks = [noise]
     if kinds.shaping is not None:
         _, found = _shape(theta, kinds, data, slopes=True)
         assert found is not None
@@ -116,12 +116,12 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
         plain = np.asarray(data.bins.expected) * power[:, None]
         slope = folded * (plain[..., 1] * data.holding * bump)[..., None]
         slope = slope + passed * ((plain[..., 2] + plain[..., 3]) * bump)[..., None]
-        parts.append(slope + bumped * (total / bump)[..., None])
+        blocks.append(slope + bumped * (total / bump)[..., None])
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     for i, name in enumerate(kinds.added):
         slope = _density_slopes(name, slots[:, i], data.bins.nodes, data.samples)
-        parts.append(np.asarray(slope) * bump[..., None])
-    return total, np.concatenate(parts, axis=2) / total[..., None]
+        blocks.append(np.asarray(slope) * bump[..., None])
+    return total, np.concatenate(blocks, axis=2) / total[..., None]
 
 
 def _ascend(theta, moving, mean, slopes, data: Data):
@@ -155,7 +155,8 @@ def _ascend(theta, moving, mean, slopes, data: Data):
             tried = theta + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
             reached = deviance(mean(tried))
             better = (reached < value) & ~moved & still
-            gained = np.where(better, value - reached, 0.0)
+            with np.errstate(invalid="ignore"):
+                gained = np.where(better, value - reached, 0.0)
             theta = np.where(better[:, None], tried, theta)
             value = np.where(better, reached, value)
             damping = np.where(better, np.clip(factor * damping, 1e-9, 1e9), damping)

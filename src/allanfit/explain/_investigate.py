@@ -29,6 +29,8 @@ _MOST_LINES = 12
 # Loud for less of the record, and by more, is a knock and no change of the noise.
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 _MARGIN = 2
+# A quiet time must be as long for its own fit.
+_SHORTEST_QUIET = 1024
 
 
 @dataclass
@@ -139,21 +141,21 @@ def _begin(values, pieces, sampling, power, alarm) -> Investigation:
 
 
 def _about_format(state: Investigation) -> None:
-    """Samples that were held, rounded or clipped: known for sure, and modelled as they were made."""
+    """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
     made = state.format
     if made.repeat is not None:
         state.findings = [f for f in state.findings if f.name != "sample_hold"]
-        state.findings.append(Finding("sample_hold", made.repeat.log_p, -2 * made.repeat.log_p))
+        state.findings.append(Finding("sample_hold", max(made.repeat.log_p, -1e4), 0.0))
         state.data = state.data._replace(
             holding=made.repeat.gain(np.asarray(state.data.bins.nodes)[:, 1])
         )
     if made.coarse:
         state.findings = [f for f in state.findings if f.name != "output_rounding"]
-        state.findings.append(Finding("output_rounding", -1e3, 2e3))
+        state.findings.append(Finding("output_rounding", -1e3, 0.0))
         state.foreign += made.width**2 / 12
     if made.rails:
         state.findings = [f for f in state.findings if f.name != "saturation"]
-        state.findings.append(Finding("saturation", -1e3, 2e3))
+        state.findings.append(Finding("saturation", -1e3, 0.0))
     if made.repeat is not None or made.coarse:
         _refit(state)
 
@@ -226,39 +228,93 @@ def _about_spread(state: Investigation, seed: int) -> bool:
             "name": "outliers",
             "statistic": spiky.gain,
             "p_value": spiky.p_value,
-            "sentence": "A mixture of two normal distributions against one, on the whitened record.",
+            "sentence": "Two normal distributions against one, on the whitened record.",
         }
     )
     # How tall a spike of one unit is in the whitened record.
     mean = level(state.left, _means.ordinate_variance(state.spectrum, state.model, state.data))
     height = float(np.mean(1 / np.sqrt(mean / 2)))
     if loud:
-        excess = changing.ratio**2 - 1
-        quiet = 1 / (1 + changing.loud.mean() * excess)
-        total = float(np.mean(mean[mean.size // 2 :]) / 2)
-        state.foreign += total * (1 - quiet)
+        strength = np.where(changing.loud, changing.ratio**2, 1.0)
+        dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
+        state.spectrum = state.spectrum._replace(dilution=dilution)
+        state.foreign += _loud_variance(state, piece, changing)
         state.findings.append(
             Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
         )
+        _rebin(state)
     if spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma:
-        state.contamination = replace_scale(spiky, height)
-        state.foreign += spiky.fraction * (spiky.amplitude / height) ** 2
+        state.contamination = in_units(spiky, height)
         state.findings.append(
             Finding(
-                "outliers", np.log(max(spiky.p_value, 1e-300)), spiky.gain, {}, state.contamination
+                "outliers",
+                np.log(max(spiky.p_value, 1e-300)),
+                spiky.gain,
+                {},
+                state.contamination,
             )
         )
+        state.foreign += _excise(state, piece, even, spiky) / height**2
     if loud or state.contamination is not None:
         _refit(state)
     return False
 
 
-def replace_scale(found: Contamination, height: float) -> Contamination:
+def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modulation) -> float:
+    """White variance that loud times add to the mean of all [u^2].
+
+    The quiet times alone, as stretches of a record of their own, have an N of their own.
+    """
+    quiet = tuple(
+        state.values[piece[0] + a : piece[0] + b]
+        for a, b in runs(~changing.loud)
+        if b - a >= _SHORTEST_QUIET
+    )
+    if not quiet:
+        return 0.0
+    spectrum = ordinates(quiet, state.sampling)
+    bins = binned(spectrum, bin_edges(spectrum.longest))
+    data = state.data._replace(
+        bins=bins, samples=float(spectrum.longest), foreign=0.0, holding=np.ones(bins.shape.size)
+    )
+    alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
+    return float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1]))
+
+
+def in_units(found: Contamination, height: float) -> Contamination:
     """In the unit of the record, where a spike of one unit stands `height` tall when whitened."""
     scale = np.array([1.0, 1 / height, 1 / height])
     return found._replace(
         amplitude=found.amplitude / height, sigma=found.sigma / height, draws=found.draws * scale
     )
+
+
+def _excise(
+    state: Investigation,
+    piece: tuple[int, int],
+    white: Float[np.ndarray, " samples"],
+    spiky: Contamination,
+) -> float:
+    """Put neighbours' means in place of clear spikes, for the analysis alone.
+
+    Returns the variance, in the whitened record, of white noise that this leaves wrong: faint
+    spikes that stay, less the noise of the samples replaced.
+    """
+    clear = np.abs(white) > spiky.threshold
+    values = state.values.copy()
+    inside = values[piece[0] : piece[1]]
+    good = np.flatnonzero(~clear)
+    for at in np.flatnonzero(clear):
+        place = int(np.searchsorted(good, at))
+        near = good[max(place - 4, 0) : place + 4]
+        inside[at] = inside[near].mean()
+    state.values = values
+    parts = tuple(values[start:stop] for start, stop in state.pieces)
+    state.spectrum = ordinates(parts, state.sampling)
+    _rebin(state)
+    share = float(clear.mean())
+    faint = float(np.mean(white[~clear] ** 2)) - spiky.sigma**2
+    return (1 - share) * faint - share * spiky.sigma**2
 
 
 def _without(
@@ -333,7 +389,7 @@ def _line_options(state: Investigation) -> list[_Option]:
         {
             "name": "lines",
             "statistic": len(peaks) + held + len(known),
-            "p_value": peaks[0].p_value if peaks else 1.0,
+            "p_value": float(np.exp(peaks[0].log_p)) if peaks else 1.0,
             "sentence": "The spectrum at full resolution, scanned for narrow bands.",
         }
     )
@@ -347,11 +403,11 @@ def _line_options(state: Investigation) -> list[_Option]:
     def take(rivals: dict[str, float]) -> None:
         _take_line(state, peak, sine, white)
 
-    return [_Option("line", np.log(max(peak.p_value, 1e-300)), sine.gain, sine.gain, take)]
+    return [_Option("line", peak.log_p, sine.gain, sine.gain, take)]
 
 
 def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) -> None:
-    """A peak that one sinusoid empties is a sinusoid; another is broad, and left to the spectrum."""
+    """A peak that one sinusoid empties is one; another is broad, and left to the spectrum."""
     samples = white.size
     time = np.arange(samples)
     angle = 2 * np.pi * sine.frequency * time
@@ -365,7 +421,7 @@ def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) 
     if not near:
         course = _means.oscillation(sine.frequency, _longest(state)[0], state.values.size)
         course.shape["deviation"] = sine.frequency_deviation
-        log_p = np.log(max(peak.p_value, 1e-300))
+        log_p = peak.log_p
         _add_course(state, course, Finding("sinusoid", log_p, sine.gain))
         return
     # As wide as what is left beside the middle.

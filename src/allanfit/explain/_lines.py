@@ -9,11 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import gammaincc
+from scipy.stats import gamma
 
-# A peak may be as broad as this many ordinates before the bins of the structure see it as well.
-_WIDEST = 256
+# A band may be as broad as this part of the ordinates; broader, bins see it as well.
+_WIDEST_PART = 24
 _MOST = 24
+# A broader window has to say more than a narrower one by this much, in log p.
+_NARROWER = 3.0
+# With fewer periods in the record a line is a course in time; see `_means`.
+_SLOWEST = 100
 # A record padded to twice its length has 1.5 times as many independent peaks.
 _PADDED_TRIALS = 1.5
 
@@ -24,9 +28,9 @@ class Peak(NamedTuple):
     #: Its middle and half its width [cycles per sample].
     frequency: float
     half_width: float
-    #: Mean over expected power, and the chance of such an excess anywhere in the record.
+    #: Mean over expected power, and the log of the chance of such an excess anywhere.
     ratio: float
-    p_value: float
+    log_p: float
 
 
 def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
@@ -34,14 +38,14 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     samples = white.size
     # Twice the length: a line between two ordinates would lose up to 60 % of its power.
     fine = np.abs(np.fft.rfft(white, 2 * samples)) ** 2 / samples
-    fine[: 4 * 4] = 0.0
+    fine[: 2 * _SLOWEST] = 0.0
     fine[-2:] = 0.0
     power = fine[::2].copy()
     peaks: list[Peak] = []
     taken = np.zeros(fine.size, bool)
     while len(peaks) < _MOST:
         found = _strongest(np.where(taken, 0.0, fine), np.where(taken[::2], 1.0, power), samples)
-        if found is None or found.p_value > p_value:
+        if found is None or found.log_p > np.log(p_value):
             break
         peaks.append(found)
         reach = max(2.5 * found.half_width, 3 / samples)
@@ -60,23 +64,30 @@ def _strongest(
         top / (2 * samples),
         0.5 / samples,
         float(fine[top]),
-        float(min(1.0, trials * np.exp(-fine[top]))),
+        float(min(0.0, np.log(trials) - fine[top])),
     )
     total = np.concatenate([[0.0], np.cumsum(power)])
     width = 2
-    while width <= _WIDEST and 8 * width < power.size:
+    while _WIDEST_PART * width < power.size:
         # Half a window apart; a window's power is Gamma with its width for shape.
-        start = np.arange(4, power.size - width - 1, max(1, width // 2))
+        start = np.arange(_SLOWEST, power.size - width - 1, max(1, width // 2))
         inside = total[start + width] - total[start]
         at = int(np.argmax(inside))
-        chance = gammaincc(width, inside[at]) * 2 * start.size
         # Many widths are looked at, and the narrowest that says as much is best.
-        chance = min(1.0, 4 * chance)
-        if chance < best.p_value:
+        log_p = _log_tail(float(inside[at]), width) + float(np.log(8 * start.size))
+        if log_p < best.log_p - _NARROWER:
             middle = (start[at] + (width - 1) / 2) / samples
-            best = Peak(float(middle), width / (2 * samples), float(inside[at] / width), chance)
+            best = Peak(float(middle), width / (2 * samples), float(inside[at] / width), log_p)
         width *= 2
     return best
+
+
+def _log_tail(power: float, width: int) -> float:
+    """Log of the chance of more power in that many ordinates; Chernoff's bound far out."""
+    if power <= width:
+        return 0.0
+    bound = -(power - width) + width * np.log(power / width)
+    return float(bound) if bound < -500 else float(gamma.logsf(power, width))
 
 
 class Sine(NamedTuple):

@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from ._ordinates import Ordinates, amplitudes, binned
-from ._search import Model, best, mean_density, rescaled
+from ._search import Model, best, log_tail, mean_density, rescaled
 from ._structure import Data
 
 # Courses are looked for in means over at most this many blocks of the record.
@@ -78,7 +78,7 @@ def cost(model: Model, data: Data) -> float:
 def log_chance(name: str, gain: float) -> float:
     """Log of the probability that noise alone gains as much by a course of this name."""
     trials, freedom = TRIALS[name]
-    return float(min(0.0, np.log(trials) + chi2.logsf(gain, freedom)))
+    return float(min(0.0, np.log(trials) + log_tail(gain, freedom)))
 
 
 def score(name: str, gain: float) -> float:

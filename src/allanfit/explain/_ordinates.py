@@ -38,6 +38,9 @@ class Ordinates(NamedTuple):
     fold: Int[np.ndarray, " ordinates"]
     #: Samples of the longest stretch.
     longest: int
+    #: How many ordinates count as one: more than one where the noise is not as strong at all times,
+    #: which makes neighbours alike (the fourth moment of its strength over the square of the second).
+    dilution: float = 1.0
 
     def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":
         """What is left when something with these amplitudes is taken out."""
@@ -161,6 +164,6 @@ def binned(
     return Bins(
         np.pad(density, (0, padding), constant_values=1.0),
         np.pad(expected, ((0, padding), (0, 0)), constant_values=1.0),
-        np.pad(count[used] / 2, (0, padding)),
+        np.pad(count[used] / (2 * spectrum.dilution), (0, padding)),
         np.pad(nodes, ((0, padding), (0, 0)), constant_values=0.25),
     )

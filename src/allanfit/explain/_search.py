@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
+from scipy.special import gammaln
 from scipy.stats import chi2
 
 from ._climb import climb, expected_density, rescale
@@ -137,7 +138,14 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
 def log_chance(name: str, gain: float) -> float:
     """Log of the probability that noise alone gains as much by this effect."""
     trials, freedom = TRIALS[name]
-    return float(min(0.0, np.log(trials) + chi2.logsf(gain, freedom)))
+    return float(min(0.0, np.log(trials) + log_tail(gain, freedom)))
+
+
+def log_tail(gain: float, freedom: int) -> float:
+    """Log of P(chi^2 > gain), also where the probability is no float any more."""
+    if gain < 600:
+        return float(chi2.logsf(gain, freedom))
+    return float(-gain / 2 + (freedom / 2 - 1) * np.log(gain / 2) - gammaln(freedom / 2))
 
 
 def score(name: str, gain: float) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.optimize import minimize
 from scipy.stats import chi2, norm
+from scipy.stats import t as student
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
 _PULLED_IN = 4.0
@@ -20,11 +21,18 @@ _MOST_WINDOWS = 4096
 
 
 class Contamination(NamedTuple):
-    """A normal mixture: a `fraction` of the samples has spikes of rms `amplitude` added."""
+    """A mixture: a `fraction` of the samples has spikes of size `amplitude` added.
+
+    Spikes are normal with this rms, or have Student's distribution with two degrees of freedom
+    and this scale where that says more: many small ones and a few that are huge.
+    """
 
     fraction: float
     amplitude: float
     sigma: float
+    heavy: bool
+    #: Beyond this a sample is more likely a spike than not.
+    threshold: float
     #: Draws of (fraction, amplitude, sigma), shape (draws, 3).
     draws: Float[np.ndarray, "draws three"]
     #: Twice the log-likelihood gained over one normal distribution.
@@ -61,32 +69,44 @@ def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamina
     points = np.concatenate([centres, tail])
     weights = np.concatenate([body[:-1], np.ones(tail.size)])
 
-    def negative(parameters: Float[np.ndarray, " three"]) -> float:
+    def densities(parameters: Float[np.ndarray, " three"], heavy: bool, at):
         fraction = 1 / (1 + np.exp(-parameters[0]))
         core = np.exp(parameters[2])
         wide = np.hypot(core, np.exp(parameters[1]))
-        mixture = (1 - fraction) * norm.pdf(points, scale=core)
-        mixture += fraction * norm.pdf(points, scale=wide)
+        spike = student.pdf(at, 2, scale=wide) if heavy else norm.pdf(at, scale=wide)
+        return (1 - fraction) * norm.pdf(at, scale=core), fraction * spike
+
+    def negative(parameters: Float[np.ndarray, " three"], heavy: bool) -> float:
+        mixture = sum(densities(parameters, heavy, points))
         return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
 
     # The same histogram under one normal distribution of its own best width.
     width = np.sqrt(weights @ points**2 / weights.sum())
     plain = -float(weights @ norm.logpdf(points, scale=width))
-    best = None
-    for fraction, spike in ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0)):
-        start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
-        found = minimize(negative, start, method="Nelder-Mead", options={"maxiter": 900})
-        if best is None or found.fun < best.fun:
-            best = found
+    best, heavy = None, False
+    for spread in (False, True):
+        for fraction, spike in ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0)):
+            start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
+            found = minimize(
+                negative, start, (spread,), method="Nelder-Mead", options={"maxiter": 600}
+            )
+            # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
+            if best is None or found.fun < best.fun - 2.0 * (spread and not heavy):
+                best, heavy = found, spread
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
-    draws = _draws(negative, best.x, seed)
+    draws = _draws(lambda x: negative(x, heavy), best.x, seed)
     fractions = 1 / (1 + np.exp(-draws[:, 0]))
     found = np.stack([fractions, np.exp(draws[:, 1]), np.exp(draws[:, 2])], axis=1)
     value = 1 / (1 + np.exp(-best.x[0])), np.exp(best.x[1]), np.exp(best.x[2])
+    grid = np.linspace(2, 12, 2001) * value[2]
+    body, spikes = densities(best.x, heavy, grid)
+    threshold = float(grid[np.argmax(spikes > body)]) if np.any(spikes > body) else np.inf
     # Fraction and size are free only where there are spikes; ten places to look for them.
     chance = float(min(1.0, 10 * chi2.sf(gain, 2)))
-    return Contamination(*(float(v) for v in value), found, gain if sigma else 0.0, chance)
+    return Contamination(
+        *(float(v) for v in value), heavy, threshold, found, gain if sigma else 0.0, chance
+    )
 
 
 def _draws(negative, at: Float[np.ndarray, " k"], seed: int) -> Float[np.ndarray, "draws k"]:

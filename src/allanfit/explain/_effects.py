@@ -1,0 +1,332 @@
+"""From what an investigation found to named effects with parameters, in SI units and seconds."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from . import _means
+from ._investigate import Finding, Investigation
+from ._posterior import Draws
+from ._spread import runs
+from ._structure import EACH, added_density, shape_of
+from ._telegraph import two_levels
+
+# A slow oscillation of such a period is more likely a room's temperature than anything else.
+_ROOM_PERIOD_S = 240.0
+# What is certain from the values alone is still only as certain as this.
+_SURE = 0.99
+_LINE = 0.97
+_LIKELY_ROOM = 0.75
+_TOLD_APART = {
+    "temperature": "log the temperature beside the data and record again",
+    "sinusoid": "log the temperature beside the data and record again",
+    "gauss_markov": "a longer recording: exponents and corners differ over more decades",
+    "random_telegraph": "a longer recording: two levels show in the histogram of block means",
+    "resonance": "a longer recording, or another mounting: a resonance moves with it",
+    "power_law": "a longer recording: exponents and corners differ over more decades",
+    "low_pass": "record with another filter setting or output rate",
+    "drifting_line": "a longer recording: a line keeps its amplitude, a resonance does not",
+    "step": "a longer recording: a step stays, a walk returns",
+    "warm_up": "record again with the sensor warm: a warm-up is gone",
+    "output_rounding": "record in a finer range",
+    "sample_hold": "read the sensor at its own output rate",
+    "variance_modulation": "log what runs beside the sensor",
+    "vibration_rectification": "switch the vibration on and off",
+    "bump": "record with another filter setting, mounting or rate and see what moves",
+}
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect that the recording holds."""
+
+    name: str
+    probability: float
+    #: Rivals with their probabilities.
+    alternatives: dict[str, float]
+    #: Draws of each parameter in SI units and seconds, shape (draws,), or a list without spread.
+    parameters: dict[str, Float[np.ndarray, " draws"]]
+    lists: dict[str, list[Any]] = field(default_factory=dict)
+    #: Where it shows [Hz], for the figures.
+    band_hz: tuple[float, float] | None = None
+
+    def value(self, name: str) -> float:
+        """The median of a parameter."""
+        return float(np.median(self.parameters[name]))
+
+    def told_apart(self, rival: str) -> str:
+        """What would tell it from a rival."""
+        return _TOLD_APART.get(rival, _TOLD_APART.get(self.name, "a longer recording"))
+
+
+def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) -> list[Effect]:
+    """All effects of an investigation, those of one kind put together where they are one."""
+    found: list[Effect] = []
+    rng = np.random.default_rng(seed)
+    for finding in state.findings:
+        if finding.name in state.model.kinds.names:
+            continue
+        maker = _MAKERS.get(finding.name)
+        if maker is not None:
+            found += maker(state, finding, dt, rng)
+    found += _courses(state, dt, rng)
+    if draws is not None:
+        found += _structural(state, draws, dt, seed)
+    return _merged(found)
+
+
+def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, float]]:
+    """Of the effect and of its rivals, from their scores (twice the log of the odds)."""
+    rivals = {} if finding is None else dict(finding.rivals)
+    if name not in rivals:
+        return _SURE, {}
+    top = max(rivals.values())
+    weights = {rival: np.exp((score - top) / 2) for rival, score in rivals.items()}
+    total = sum(weights.values())
+    shares = {rival: float(weight / total) for rival, weight in weights.items()}
+    own = min(shares.pop(name), _SURE)
+    return own, {rival: share for rival, share in shares.items() if share > 0.005}
+
+
+def _finding(state: Investigation, name: str) -> Finding | None:
+    return next((each for each in state.findings if each.name == name), None)
+
+
+def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> list[Effect]:
+    kinds, samples = state.model.kinds, state.data.samples
+    found = []
+    if kinds.shaping == "low_pass":
+        three = draws.theta[:, 4:7].T
+        cutoff, order = (np.asarray(each) for each in shape_of("low_pass", three, samples))
+        own, others = _probabilities(_finding(state, "low_pass"), "low_pass")
+        found.append(
+            Effect(
+                "low_pass",
+                own,
+                others,
+                {"cutoff_frequency": cutoff / dt, "order": order},
+                {},
+                (float(np.median(cutoff)) / dt / 4, 0.5 / dt),
+            )
+        )
+    if kinds.shaping == "bump":
+        three = draws.theta[:, 4:7].T
+        centre, width = (np.asarray(each) for each in shape_of("bump", three, samples))
+        height = np.tanh(three[0] / 6) * 6
+        middle, breadth = float(np.median(centre)) / dt, float(np.median(width))
+        found.append(
+            Effect(
+                "bump",
+                _SURE,
+                {},
+                {"height": height, "frequency": centre / dt, "width": width},
+                {},
+                (middle * np.exp(-breadth), min(middle * np.exp(breadth), 0.5 / dt)),
+            )
+        )
+    for place, name in enumerate(kinds.added):
+        begin = kinds.first_slot + EACH * place
+        three = draws.theta[:, begin : begin + EACH].T
+        first, second = (np.asarray(each) for each in shape_of(name, three, samples))
+        size = np.exp(three[0] / 2)
+        own, others = _probabilities(_finding(state, name), name)
+        if name == "gauss_markov":
+            found += _gauss_markov(state, begin, size, first, own, others, dt, seed)
+        elif name == "resonance":
+            middle, half = float(np.median(first)) / dt, float(np.median(first / second)) / 2 / dt
+            values = {"sigma": size, "frequency": first / dt, "quality_factor": second}
+            band = (max(middle - 2 * half, 0.0), middle + 2 * half)
+            found.append(Effect(name, own, others, values, {}, band))
+        elif name == "power_law":
+            density = np.exp(three[0]) * dt ** (1 - first)
+            found.append(
+                Effect(name, own, others, {"exponent": first, "density": density}, {}, None)
+            )
+        else:
+            middle, width = float(np.median(first)) / dt, float(np.median(second)) / dt
+            values = {"amplitude": size, "frequency": first / dt, "width": second / dt}
+            band = (middle - 2 * width, middle + 2 * width)
+            found.append(Effect(name, own, others, values, {}, band))
+    return found
+
+
+def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:
+    """A Gauss-Markov process, or a telegraph that looks like one."""
+    spectrum, three = state.left, state.model.theta[begin : begin + EACH]
+    constant = float(np.median(time))
+    total = _means.ordinate_variance(spectrum, state.model, state.data)
+    frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
+    thinned = np.geomspace(frequency[0], frequency[-1], 600)
+    nodes = np.stack([thinned] * 3, axis=1)
+    shape = np.asarray(added_density("gauss_markov", three, nodes, state.data.samples))
+    signal = np.minimum(np.interp(frequency, thinned, shape), total)
+    corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
+    band = (0.15 / (2 * np.pi * constant * dt), min(3 / (2 * np.pi * constant * dt), 0.5 / dt))
+    plain = Effect(
+        "gauss_markov", own, dict(others), {"sigma": size, "correlation_time": time * dt}, {}, band
+    )
+    kurtosis, chance = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+    state.witnesses.append(
+        {
+            "name": "two levels",
+            "statistic": kurtosis,
+            "p_value": chance,
+            "sentence": "The kurtosis of the process, filtered out of the other noise.",
+        }
+    )
+    if chance < 0.003:
+        rest = {**others, "gauss_markov": 0.04 * own}
+        values = {"amplitude": 2 * size, "dwell_time": 2 * time * dt}
+        return [Effect("random_telegraph", 0.96 * own, rest, values, {}, band)]
+    telegraph = 0.15 * own
+    return [
+        replace(plain, probability=own - telegraph)
+        if not others
+        else replace(
+            plain,
+            probability=own - telegraph,
+            alternatives={**others, "random_telegraph": telegraph},
+        )
+    ]
+
+
+def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
+    if state.sized is None:
+        return []
+    found, column, steps = [], 0, []
+    for course in state.courses:
+        count = course.template.shape[1]
+        part = slice(column, column + count)
+        column += count
+        sizes = rng.multivariate_normal(
+            state.sized.sizes[part], state.sized.covariance[part, part], 2000, method="svd"
+        )
+        own, others = _probabilities(_finding(state, course.name), course.name)
+        if course.name == "step":
+            steps.append((course.shape["time"] * dt, sizes[:, 0], own, others))
+        elif course.name == "warm_up":
+            spread = course.shape.get("deviation", 0.0)
+            constant = course.shape["time_constant"] + spread * rng.standard_normal(2000)
+            values = {"amplitude": sizes[:, 0], "time_constant": np.abs(constant) * dt}
+            found.append(Effect("warm_up", own, others, values))
+        elif course.name == "sinusoid":
+            found.append(_sinusoid(course, sizes, own, others, dt, rng))
+        elif course.name == "temperature":
+            found.append(Effect("temperature", own, others, {"sensitivity": sizes[:, 0]}))
+        else:
+            found.append(Effect(course.name, own, others, {"coefficient": sizes[:, 0]}))
+    if steps:
+        heights = np.array([np.median(size) for _, size, _, _ in steps])
+        sign = np.sign(heights.sum()) or 1.0
+        mean = sign * np.mean([np.abs(size) for _, size, _, _ in steps], axis=0)
+        times = sorted(time for time, *_ in steps)
+        own = float(max(each[2] for each in steps))
+        found.append(Effect("step", own, steps[0][3], {"amplitude": mean}, {"times": times}))
+    return found
+
+
+def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:
+    amplitude = np.hypot(sizes[:, 0], sizes[:, 1])
+    spread = course.shape.get("deviation", 0.0)
+    frequency = (course.shape["frequency"] + spread * rng.standard_normal(2000)) / dt
+    middle = float(np.median(frequency))
+    band = (0.97 * middle, 1.03 * middle)
+    if middle * _ROOM_PERIOD_S < 1 and not any(key == "temperature" for key in others):
+        values = {"time_scale": 1 / np.abs(frequency), "amplitude": amplitude}
+        rest = {**others, "sinusoid": own * (1 - _LIKELY_ROOM)}
+        return Effect("temperature", own * _LIKELY_ROOM, rest, values, {}, band)
+    values = {"amplitude": amplitude, "frequency": frequency}
+    return Effect("sinusoid", min(own, _LINE), others, values, {}, band)
+
+
+def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    return [Effect("output_rounding", _SURE, {}, {"lsb": np.full(2, state.format.width)})]
+
+
+def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    repeat = state.format.repeat
+    assert repeat is not None
+    spread = 0.0 if repeat.regular else repeat.samples * np.sqrt(repeat.fraction)
+    values = repeat.samples + spread / np.sqrt(state.values.size) * rng.standard_normal(2000)
+    return [Effect("sample_hold", _SURE, {}, {"repeat": values})]
+
+
+def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    limit = float(np.max(np.abs(state.format.rails)))
+    return [Effect("saturation", _SURE, {}, {"limit": np.full(2, limit)})]
+
+
+def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    drawn = finding.detail.draws
+    return [Effect("outliers", _LINE, {}, {"fraction": drawn[:, 0], "amplitude": drawn[:, 1]})]
+
+
+def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    changing = finding.detail
+    start = max(state.pieces, key=lambda piece: piece[1] - piece[0])[0]
+    times = [[(start + a) * dt, (start + b) * dt] for a, b in runs(changing.loud)]
+    others = {"disturbance": 0.03}
+    return [
+        Effect("variance_modulation", 0.95, others, {"ratio": changing.draws}, {"intervals": times})
+    ]
+
+
+def _knocked(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    times = [[a * dt, b * dt] for a, b in state.knocks]
+    others = {"variance_modulation": 0.08}
+    return [Effect("disturbance", 0.9, others, {}, {"intervals": times})]
+
+
+_MAKERS = {
+    "output_rounding": _rounded,
+    "sample_hold": _held,
+    "saturation": _clipped,
+    "outliers": _spiky,
+    "variance_modulation": _modulated,
+    "disturbance": _knocked,
+}
+
+
+def _merged(found: list[Effect]) -> list[Effect]:
+    """Parts of one line, whose bands meet, as one effect."""
+    kept: list[Effect] = []
+    for effect in found:
+        same = next(
+            (
+                old
+                for old in kept
+                if effect.name == old.name
+                and effect.name in ("drifting_line", "resonance")
+                and effect.band_hz is not None
+                and old.band_hz is not None
+                and effect.band_hz[0] < old.band_hz[1]
+                and old.band_hz[0] < effect.band_hz[1]
+            ),
+            None,
+        )
+        if same is None:
+            kept.append(effect)
+            continue
+        kept[kept.index(same)] = _joined(same, effect)
+    return kept
+
+
+def _joined(one: Effect, two: Effect) -> Effect:
+    size = "amplitude" if one.name == "drifting_line" else "sigma"
+    count = min(one.parameters[size].size, two.parameters[size].size)
+    a, b = ({k: v[:count] for k, v in each.parameters.items()} for each in (one, two))
+    first, second = a[size] ** 2, b[size] ** 2
+    total = first + second
+    mean = (first * a["frequency"] + second * b["frequency"]) / total
+    values = {size: np.sqrt(total), "frequency": mean}
+    if one.name == "drifting_line":
+        spread = first * (a["width"] ** 2 + (a["frequency"] - mean) ** 2)
+        spread += second * (b["width"] ** 2 + (b["frequency"] - mean) ** 2)
+        values["width"] = np.sqrt(spread / total)
+    else:
+        values["quality_factor"] = np.minimum(a["quality_factor"], b["quality_factor"])
+    assert one.band_hz is not None and two.band_hz is not None
+    band = (min(one.band_hz[0], two.band_hz[0]), max(one.band_hz[1], two.band_hz[1]))
+    return replace(one, parameters=values, band_hz=band)

@@ -1,0 +1,115 @@
+"""The posterior of a structure: coefficients and effects together, by emcee.
+
+Coefficients have the prior of the five-term fit (`identify._posterior`). The size of an effect is
+uniform in its logarithm down to a twentieth of what was found, and its shape is uniform in the
+logarithm within the bounds in which it was looked for.
+"""
+
+from typing import NamedTuple
+
+import emcee
+import numpy as np
+from jaxtyping import Float
+
+from ..identify._posterior import _ABSENCE
+from ._climb import parts
+from ._search import Model
+from ._structure import EACH, FLOOR, TERMS, Data, active
+
+_WALKERS = 32
+_BURN_IN = 500
+_STEPS = 700
+_THIN = 5
+_SMALLEST = float(np.log(0.05**2))
+_MOVES = [(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)]
+
+
+class Draws(NamedTuple):
+    """Draws from the posterior of a structure."""
+
+    #: Squares of Q, N, B, K for a sampling interval of one, shape (draws, 4).
+    power: Float[np.ndarray, "draws terms"]
+    #: All parameters, as `Model.theta`, shape (draws, parameters).
+    theta: Float[np.ndarray, "draws parameters"]
+
+
+def sample_structure(model: Model, data: Data, seed: int) -> Draws:
+    """Draw the coefficients and the parameters of all effects of a structure."""
+    kinds, best = model.kinds, model.theta
+    terms = np.asarray(data.terms)
+    effects = active(kinds, terms)[TERMS:]
+    place = np.concatenate([np.flatnonzero(terms), TERMS + np.flatnonzero(effects)])
+    count = int(terms.sum())
+    # Sizes of added noises: a prior bounded below keeps a faint effect from drifting to nothing.
+    sizes = kinds.first_slot + EACH * np.arange(len(kinds.added))
+    deviation = _deviations(model, data)[terms]
+    scale = np.sqrt(_ABSENCE[terms] * deviation)
+    shape, density = np.asarray(data.bins.shape), np.asarray(data.bins.density)
+
+    def unpacked(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, "walkers parameters"]:
+        theta = np.tile(best, (len(x), 1))
+        theta[:, place[count:]] = x[:, count:]
+        power = (scale * np.sinh(x[:, :count])) ** 2
+        theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
+        return theta
+
+    def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
+        with np.errstate(all="ignore"):
+            x = np.clip(x, -300, 300)
+            theta = unpacked(x)
+            columns, bump, added = parts(theta, kinds, data)
+            columns = columns[..., terms]
+            power = np.exp(theta[:, place[:count]])
+            total = np.einsum("sbt,st->sb", columns, power) + float(data.foreign) * bump
+            for each in added:
+                total = total + each * bump
+            excess = density / total - 1
+            value = -np.sum(shape * (excess - np.log1p(excess)), axis=1)
+            relative = columns / total[..., None]
+            information = np.einsum("sbi,sbj,b->sij", relative, relative, shape)
+            value += np.linalg.slogdet(information)[1] / 2
+            value += np.sum(np.log((power + deviation) / (power + scale**2)), axis=1)
+            value += np.sum(np.log(np.abs(np.sinh(2 * x[:, :count]))), axis=1)
+            # Uniform in the logarithm between the bounds: the slope of the logistic function.
+            for index in place[count:]:
+                if index not in sizes and not (kinds.shaping == "bump" and index == TERMS):
+                    u = theta[:, index]
+                    value += -np.abs(u) - 2 * np.log1p(np.exp(-np.abs(u)))
+            for index in sizes:
+                value = np.where(theta[:, index] < best[index] + _SMALLEST, -np.inf, value)
+        return np.where(np.isfinite(value), value, -np.inf)
+
+    rng = np.random.default_rng(seed)
+    start = _starts(model, data, place, count, scale, deviation, rng)
+    sampler = emcee.EnsembleSampler(
+        len(start), place.size, log_density, vectorize=True, moves=_MOVES
+    )
+    # emcee draws from NumPy's global state unless it is given its own.
+    sampler.random_state = np.random.RandomState(seed).get_state()
+    sampler.run_mcmc(start, _BURN_IN + _STEPS, skip_initial_state_check=True)
+    chain = sampler.get_chain(discard=_BURN_IN, thin=_THIN, flat=True)
+    theta = unpacked(np.asarray(chain))
+    power = np.where(terms, np.exp(theta[:, :TERMS]), 0.0)
+    return Draws(power, theta)
+
+
+def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
+    """Standard deviations of the powers, the effects held; as `identify._posterior.coordinates`."""
+    columns, bump, added = parts(model.theta[None], model.kinds, data)
+    power = np.where(np.asarray(data.terms), np.exp(model.theta[:TERMS]), 0.0)
+    total = columns[0] @ power + float(data.foreign) * bump[0]
+    total = total + sum((each[0] * bump[0] for each in added), np.zeros_like(total))
+    relative = columns[0] / total[:, None]
+    information = (relative * np.asarray(data.bins.shape)[:, None]).T @ relative
+    unit = np.sqrt(np.diag(information))
+    correlation = information / unit / unit[:, None] + 1e-6 * np.eye(TERMS)
+    return np.sqrt(np.diag(np.linalg.inv(correlation))) / unit
+
+
+def _starts(model, data, place, count, scale, deviation, rng) -> Float[np.ndarray, "walkers dim"]:
+    walkers = max(_WALKERS, 2 * place.size + 2 + place.size % 2)
+    power = np.exp(model.theta[place[:count]])
+    scattered = np.abs(power + deviation * rng.standard_normal((walkers, count)))
+    x = np.arcsinh(np.sqrt(scattered) / scale)
+    effects = model.theta[place[count:]] + 0.1 * rng.standard_normal((walkers, place.size - count))
+    return np.concatenate([x, effects], axis=1)
