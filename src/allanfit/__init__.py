@@ -7,6 +7,8 @@ from .curves import allan_variance as allan_variance
 from .curves import cluster_sizes as cluster_sizes
 from .curves import psd as psd
 from .curves import slope_reading as slope_reading
+from .explain import Explanation as Explanation
+from .explain import explain as explain
 from .identify import Fit as Fit
 from .identify import Influence as Influence
 from .identify import fit as fit

@@ -234,11 +234,24 @@ def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:
     middle = float(np.median(frequency))
     band = (0.97 * middle, 1.03 * middle)
     if middle * _ROOM_PERIOD_S < 1 and not any(key == "temperature" for key in others):
-        values = {"time_scale": 1 / np.abs(frequency), "amplitude": amplitude}
+        values = {"time_scale": 1 / np.abs(frequency)}
         rest = {**others, "sinusoid": own * (1 - _LIKELY_ROOM)}
         return Effect("temperature", own * _LIKELY_ROOM, rest, values, {}, band)
     values = {"amplitude": amplitude, "frequency": frequency}
     return Effect("sinusoid", min(own, _LINE), others, values, {}, band)
+
+
+def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    count = finding.detail * state.values.size
+    spread = np.sqrt(count) / state.values.size
+    return [
+        Effect(
+            "dropped_samples",
+            _SURE,
+            {},
+            {"fraction": np.abs(finding.detail + spread * rng.standard_normal(2000))},
+        )
+    ]
 
 
 def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
@@ -286,6 +299,7 @@ _MAKERS = {
     "outliers": _spiky,
     "variance_modulation": _modulated,
     "disturbance": _knocked,
+    "dropped_samples": _dropped,
 }
 
 
@@ -327,6 +341,7 @@ def _joined(one: Effect, two: Effect) -> Effect:
         values["width"] = np.sqrt(spread / total)
     else:
         values["quality_factor"] = np.minimum(a["quality_factor"], b["quality_factor"])
-    assert one.band_hz is not None and two.band_hz is not None
+    assert one.band_hz is not None
+    assert two.band_hz is not None
     band = (min(one.band_hz[0], two.band_hz[0]), max(one.band_hz[1], two.band_hz[1]))
     return replace(one, parameters=values, band_hz=band)

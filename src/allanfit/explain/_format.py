@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.stats import binom
@@ -29,7 +30,9 @@ class Repeat:
     def gain(self, frequency: Float[np.ndarray, " bins"]) -> Float[np.ndarray, " bins"]:
         """What holding does to the density of white noise [cycles per sample]."""
         held = round(self.samples) if self.regular else self.samples
-        return np.asarray(SampleHold(np.float64(held)).gain(frequency, 1.0))
+        gain = SampleHold(jnp.asarray(float(held))).gain(jnp.asarray(frequency), 1.0)
+        # A regular hold has zeros, in which only rounding is left.
+        return np.maximum(np.asarray(gain), 1e-12)
 
 
 @dataclass(frozen=True)

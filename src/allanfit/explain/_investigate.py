@@ -76,7 +76,8 @@ class Investigation:
     #: Variance of white noise that does not belong to N: rounding, spikes, loud times [u^2].
     foreign: float = 0.0
     witnesses: list[dict[str, Any]] = field(default_factory=list)
-    #: The chance of the strongest evidence, Bonferroni over families.
+    #: Log of the chance of the strongest evidence within its family of tests.
+    nearest: float = 0.0
     unexplained: Candidate | None = None
 
     @property
@@ -98,12 +99,14 @@ def investigate(
     *,
     alarm: float = ALARM,
     drivers: dict[str, Float[np.ndarray, "samples columns"]] | None = None,
+    lost: float = 0.0,
     seed: int = 0,
 ) -> Investigation:
     """Find what the five terms leave out of one channel.
 
     `power` are the squared coefficients of the five-term fit for a sampling interval of one, and
-    `drivers` what may move the channel, by the name of the effect, centred.
+    `drivers` what may move the channel, by the name of the effect, centred; `lost` is the share of
+    samples that time stamps say were lost on the way.
     """
     state = _begin(values, pieces, sampling, power, alarm)
     drivers = dict(drivers or {})
@@ -117,6 +120,8 @@ def investigate(
         state = later
         _about_format(state)
         _about_spread(state, seed)
+    if lost > 0:
+        state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
     if state.modulation is not None and state.contamination is None:
         drivers["vibration_rectification"] = _loudness(state)
     for _ in range(_MOST_ROUNDS):
@@ -124,6 +129,7 @@ def investigate(
             break
     _reconsider(state)
     _leftover(state)
+    state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
 
 
@@ -357,6 +363,7 @@ def _round(state: Investigation, drivers: dict[str, Any]) -> bool:
     """One more effect, if any is needed; says whether one was."""
     options = _line_options(state) + _smooth_options(state) + _course_options(state, drivers)
     options = [option for option in options if np.isfinite(option.log_p)]
+    state.nearest = min([state.nearest, *(option.log_p for option in options)])
     alarms = [option for option in options if option.log_p < np.log(state.alarm)]
     if not alarms:
         return False

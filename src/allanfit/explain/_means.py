@@ -150,7 +150,7 @@ def propose(
     means = values[start : start + count * block].reshape(count, block).mean(axis=1)
     orders = np.arange(1, max(count // 2, 2))
     scale = np.sqrt(block)
-    amplitude = scale * dct(means - means.mean(), norm="ortho")[orders]
+    amplitude = scale * np.asarray(dct(means - means.mean(), norm="ortho"))[orders]
     frequency = orders / (2 * length)
     flat = ordinate_variance(spectrum, model, data)
     calm = model._replace(
@@ -158,7 +158,7 @@ def propose(
     )
     found: list[Course] = []
     time = (np.arange(count) + 0.5) * block
-    ramp = scale * dct(time - time.mean(), norm="ortho")[orders]
+    ramp = scale * np.asarray(dct(time - time.mean(), norm="ortho"))[orders]
     for variance in (flat, ordinate_variance(spectrum, calm, data)):
         weight = np.interp(frequency, spectrum.frequency, variance) / 2
         scan = _Scan(amplitude, ramp, weight, scale, orders)

@@ -38,8 +38,8 @@ class Ordinates(NamedTuple):
     fold: Int[np.ndarray, " ordinates"]
     #: Samples of the longest stretch.
     longest: int
-    #: How many ordinates count as one: more than one where the noise is not as strong at all times,
-    #: which makes neighbours alike (the fourth moment of its strength over the square of the second).
+    #: How many ordinates count as one: more than one where the noise is not as strong at all
+    #: times, which makes neighbours alike (mean of sigma^4 over the square of the mean sigma^2).
     dilution: float = 1.0
 
     def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":

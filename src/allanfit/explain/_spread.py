@@ -104,8 +104,9 @@ def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamina
     threshold = float(grid[np.argmax(spikes > body)]) if np.any(spikes > body) else np.inf
     # Fraction and size are free only where there are spikes; ten places to look for them.
     chance = float(min(1.0, 10 * chi2.sf(gain, 2)))
+    fraction, spike, core = (float(each) for each in value)
     return Contamination(
-        *(float(v) for v in value), heavy, threshold, found, gain if sigma else 0.0, chance
+        fraction, spike, core, heavy, threshold, found, gain if sigma else 0.0, chance
     )
 
 

@@ -44,5 +44,5 @@ def two_levels(
 
 
 def _kurtosis(coefficients: Float[np.ndarray, " modes"]) -> float:
-    series = idct(np.concatenate([[0.0], coefficients]), norm="ortho")
+    series = np.asarray(idct(np.concatenate([[0.0], coefficients]), norm="ortho"))
     return float(np.mean(series**4) / np.mean(series**2) ** 2)

@@ -44,7 +44,7 @@ def whitened(
     notches: tuple[float, ...] = (),
 ) -> Float[np.ndarray, " samples"]:
     """One stretch with unit variance at all frequencies; zero at `notches` [cycles per sample]."""
-    coefficients = dct(piece - piece.mean(), norm="ortho")
+    coefficients = np.asarray(dct(piece - piece.mean(), norm="ortho"))
     frequency = np.arange(piece.size) / (2 * piece.size)
     # An ordinate is 2 c^2.
     variance = np.interp(frequency, spectrum.frequency, expected) / 2
@@ -52,4 +52,4 @@ def whitened(
     coefficients[:_DROPPED] = 0.0
     for notch in notches:
         coefficients[np.abs(frequency - notch) < 2.5 / piece.size] = 0.0
-    return idct(coefficients, norm="ortho")
+    return np.asarray(idct(coefficients, norm="ortho"))

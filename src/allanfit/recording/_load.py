@@ -104,6 +104,7 @@ def load(
         auxiliary=auxiliary,
         findings=(*findings, *about_gravity(kept)),
         checksum=digest.hexdigest(),
+        lost=clock.lost,
     )
 
 
@@ -181,7 +182,7 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
         if rate_hz is None:
             raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error
         return Clock(rate_hz, (), (f"{error} Gaps, if there are any, are not seen.",))
-    return clock if rate_hz is None else Clock(rate_hz, clock.breaks, clock.findings)
+    return clock if rate_hz is None else Clock(rate_hz, clock.breaks, clock.findings, clock.lost)
 
 
 def _units(

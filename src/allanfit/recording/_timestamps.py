@@ -38,6 +38,8 @@ class Clock:
     """Index of the first sample after each gap."""
     findings: tuple[str, ...]
     """Gaps, repeats, jitter, doubts about the unit or the given rate."""
+    lost: float = 0.0
+    """Share of the samples that were lost a few at a time."""
 
 
 def is_time(name: str) -> bool:
@@ -95,7 +97,7 @@ def read_clock(
     findings += _about_jitter(steps - lost, interval)
     findings += _about_rate(rate_hz, given_hz)
     breaks = np.union1d(gaps, np.flatnonzero(set_back)) + 1
-    return Clock(rate_hz, tuple(breaks.tolist()), findings)
+    return Clock(rate_hz, tuple(breaks.tolist()), findings, dropped / (steps.size + dropped))
 
 
 def _unusable(reason: str) -> RecordingError:

@@ -1,0 +1,122 @@
+"""The coefficients with what was left out in the model: a fit like any other."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+from scipy.fft import dct
+from scipy.stats import norm
+
+from ..curves import unit_scale
+from ..curves._design import RAMP_MODES
+from ..identify import Fit
+from ..identify._ramp import RampData, draw_ramps
+from . import _means, _search
+from ._investigate import Investigation
+from ._posterior import Draws
+
+
+def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
+    """The five-term `fit` with the coefficients of the better model in place of its own."""
+    dt = 1 / float(fit.rate_hz)
+    scale = np.asarray(unit_scale(dt), float)
+    terms = np.asarray(state.data.terms)
+    best = np.where(terms, np.exp(state.model.theta[:4]), 0.0)
+    power = draws.power.copy()
+    _unclip(state, power, best)
+    ramps, chance = _ramps(fit, state, draws, seed)
+    rises = np.array([_rise(state, k) if terms[k] else 0.0 for k in range(4)])
+    dtype = fit.estimate.draws.dtype
+    joined = np.concatenate([np.sqrt(power), ramps[:, None]], axis=1) * scale
+    least = np.append(np.sqrt(best), np.median(ramps)) * scale
+    return eqx.tree_at(
+        lambda tree: (
+            tree.estimate.draws,
+            tree.estimate.least_squares,
+            tree.estimate.deviance_rise,
+            tree.estimate.ramp_p_value,
+        ),
+        fit,
+        tuple(jnp.asarray(each, dtype) for each in (joined, least, rises, chance)),
+    )
+
+
+def _rise(state: Investigation, k: int) -> float:
+    """What it costs to leave one of Q, N, B, K out, the effects fitted again."""
+    terms = np.array(state.data.terms)
+    terms[k] = False
+    data = state.data._replace(terms=terms)
+    return _search.best([(state.model.kinds, state.model.theta)], data)[0].deviance - (
+        state.model.deviance
+    )
+
+
+def _ramps(
+    fit: Fit, state: Investigation, draws: Draws, seed: int
+) -> tuple[Float[np.ndarray, " draws"], float]:
+    """A ramp for each draw of the noise, and the chance of none, with the effects as noise too."""
+    odd, ramp, variance = [], [], []
+    total = _means.ordinate_variance(state.left, state.model, state.data)
+    frequency = state.left.frequency
+    own = state.left.expected @ np.where(state.data.terms, np.exp(state.model.theta[:4]), 0.0)
+    # Filters hardly matter to the slowest modes; what is added does.
+    extra = np.maximum(total - own, 0.0)
+    for start, stop in state.pieces:
+        length = stop - start
+        values = state.values[start:stop] - _drawn(state, start, stop)
+        coefficients = dct(values - values.mean(), norm="ortho")[1:]
+        modes = min(RAMP_MODES, (length - 1) // 2)
+        order = 1 + 2 * np.arange(modes)
+        odd.append(coefficients[order - 1])
+        half = np.pi * order / (2 * length)
+        ramp.append(-np.sqrt(2 / length) * np.cos(half) / (2 * np.sin(half) ** 2))
+        at = order / (2 * length)
+        columns = [np.interp(at, frequency, column) for column in state.left.expected.T]
+        # Below the first ordinate a random walk goes on as a power law.
+        slow = np.maximum(frequency[0] / at, 1.0)
+        columns[3] = columns[3] * slow**2
+        columns[2] = columns[2] * slow
+        variance.append(np.stack([*columns, np.interp(at, frequency, extra)], axis=1) / 2)
+    data = RampData(
+        jnp.asarray(np.concatenate(odd)),
+        jnp.asarray(np.concatenate(ramp)),
+        jnp.asarray(np.concatenate(variance)),
+    )
+    powers = np.concatenate([draws.power, np.ones((len(draws.power), 1))], axis=1)
+    ramps, chance = draw_ramps(jax.random.key(seed), data, jnp.asarray(powers))
+    return np.asarray(ramps), float(chance)
+
+
+def _drawn(state: Investigation, start: int, stop: int) -> Float[np.ndarray, " samples"] | float:
+    """What the courses add to the samples of a stretch."""
+    if state.sized is None:
+        return 0.0
+    return np.column_stack([c.template[start:stop] for c in state.courses]) @ state.sized.sizes
+
+
+def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best) -> None:
+    """Undo what rails do: they cut the spread of fast noise, and pass part of what is slow.
+
+    For a normal signal the share of samples between the rails is the gain of slow changes
+    (Bussgang's theorem), and the variance lost follows from how many samples stand at a rail.
+    """
+    rails = state.format.rails
+    if not rails:
+        return
+    used = np.concatenate([state.values[start:stop] for start, stop in state.pieces])
+    middle, limit = float(np.median(used)), float(np.max(np.abs(rails)))
+    reach = abs(limit - middle) if len(rails) == 1 else float(np.ptp(rails)) / 2
+    sides = len(rails)
+    share = min(max(state.format.clipped, 1e-9), 0.98)
+    sigma = reach / norm.isf(share / sides)
+    z = np.linspace(-8, 8, 40001)
+    low = -reach if sides == 2 else -np.inf
+    clipped = np.clip(z * sigma, low, reach)
+    density = norm.pdf(z)
+    density /= density.sum()
+    variance = density @ clipped**2 - (density @ clipped) ** 2
+    gain = 1 - share
+    factor = np.array([sigma**2 / variance, sigma**2 / variance, gain**-2, gain**-2])
+    power *= factor
+    best *= factor

@@ -1,0 +1,227 @@
+"""Both curves, the course in time and the lines, before and after, as plain data."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..curves import allan_variance
+from ..identify import Fit
+from ..identify._curves_document import curves_document
+from . import _means
+from ._effects import Effect
+from ._investigate import Investigation
+from ._structure import effects_density
+
+_BLOCKS = 360
+_LINE_POINTS = 161
+_GRID = 24_000
+
+
+def explained_curves(
+    fit: Fit, after: Fit, state: Investigation, effects: list[Effect], factor: float
+) -> dict[str, Any]:
+    """The `curves` of one channel in the explain JSON, in the unit that the user gave."""
+    dt = 1 / float(fit.rate_hz)
+    before = curves_document(fit, factor)
+    course = _course(state)
+    allan, psd = before["allan"], before["psd"]
+    density, added = _density(fit, state, course, dt)
+    names = _labels(state, effects)
+    psd_effects = {
+        name: _listed(each * dt / factor**2) for name, each in zip(names, added, strict=False)
+    }
+    variance, parts = _allan_after(np.asarray(allan["tau_s"]) / dt, after, state, course, dt)
+    return {
+        "allan": {
+            "tau_s": allan["tau_s"],
+            "deviation": allan["deviation"],
+            "model_before": allan["model"],
+            "model_after": _listed(np.sqrt(variance) / factor),
+            "band_95": allan["band_95"],
+            "effects": {
+                name: _listed(np.sqrt(np.maximum(part, 0)) / factor)
+                for name, part in zip(names, parts, strict=False)
+            },
+        },
+        "psd": {
+            "frequency_hz": psd["frequency_hz"],
+            "density": psd["density"],
+            "model_before": psd["model"],
+            "model_after": _listed(density * dt / factor**2),
+            "band_95": psd["band_95"],
+            "effects": psd_effects,
+        },
+        "time": _time(state, course, effects, dt, factor),
+        "lines": _lines(state, effects, dt, factor),
+    }
+
+
+def _course(state: Investigation) -> Float[np.ndarray, " samples"] | None:
+    """What all courses in time add to each sample."""
+    if state.sized is None:
+        return None
+    return np.column_stack([c.template for c in state.courses]) @ state.sized.sizes
+
+
+def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
+    """Names of the added noises, each its own."""
+    labels: list[str] = []
+    for name in state.model.kinds.added:
+        shown = next(
+            (
+                e.name
+                for e in effects
+                if e.name == name
+                or (name == "gauss_markov" and e.name in ("random_telegraph", "temperature"))
+            ),
+            name,
+        )
+        labels.append(shown if shown not in labels else f"{shown} {len(labels) + 1}")
+    return labels
+
+
+def _density(fit: Fit, state: Investigation, course, dt: float):
+    """Mean of the better model over each bin of the fit's spectrum, and of each added noise."""
+    spectrum, data = state.spectrum, state.data
+    total = _means.ordinate_variance(spectrum, state.model, data)
+    if state.sized is not None and course is not None:
+        moved = spectrum.amplitude - state.sized.left.amplitude
+        total = total + moved**2
+    middle = np.asarray(fit.design.frequency)
+    bounds = np.sqrt(middle[1:] * middle[:-1])
+    index = np.searchsorted(bounds, spectrum.frequency)
+    count = np.maximum(np.bincount(index, minlength=middle.size), 1)
+    added = np.asarray(effects_density(state.model.theta, state.model.kinds, data))
+    used = data.bins.used
+    frequency = data.bins.frequency[used]
+    shares = [
+        np.bincount(
+            index, np.interp(spectrum.frequency, frequency, each[used]), minlength=middle.size
+        )
+        / count
+        for each in added
+    ]
+    return np.bincount(index, total, minlength=middle.size) / count, shares
+
+
+def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
+    """Expected Allan variance of the better model: of its density through the Allan filter."""
+    data, used = state.data, state.data.bins.used
+    frequency = data.bins.frequency[used]
+    grid = np.geomspace(frequency[0] / 30, 0.5, _GRID)
+    mean = np.interp(np.log(grid), np.log(frequency), np.log(_model_mean(state)[used]))
+    density = np.exp(mean)
+    # Below the record's lowest frequency flicker and random walk go on as they are.
+    low = grid < frequency[0]
+    power = np.where(data.terms, np.exp(state.model.theta[:4]), 0.0)
+    walk = power[3] / (2 * np.pi**2 * grid**2)
+    flicker = power[2] / (np.pi * grid)
+    density[low] = np.minimum((walk + flicker)[low] + density[~low][0], density[~low][0] * 1e3)
+    added = np.asarray(effects_density(state.model.theta, state.model.kinds, data))[:, used]
+    parts = [np.interp(grid, frequency, each) for each in added]
+    step = np.gradient(grid)
+    sine = np.sin(np.pi * grid) ** 2
+    rows = [density, *parts]
+    found = np.empty((len(rows), len(sizes)))
+    for i, size in enumerate(sizes):
+        phase = np.pi * grid * size
+        # Where the filter oscillates within a step its mean is taken.
+        filtering = np.where(np.pi * step * size < 0.7, np.sin(phase) ** 4, 3 / 8)
+        weight = 2 * filtering / (size**2 * sine) * step
+        found[:, i] = [row @ weight for row in rows]
+    total = found[0]
+    slope = float(after.coefficients["R"]) * dt if bool(after.resolved["R"]) else 0.0
+    total = total + (slope * np.asarray(sizes)) ** 2 / 2
+    if course is not None:
+        start, stop = max(state.pieces, key=lambda piece: piece[1] - piece[0])
+        whole = np.unique(np.round(sizes).astype(int))
+        whole = whole[2 * whole <= stop - start]
+        drawn = np.asarray(allan_variance(course[start:stop], rate_hz=1.0, cluster_sizes=whole))
+        total = total + np.interp(sizes, whole, drawn)
+    return total, found[1:]
+
+
+def _model_mean(state: Investigation) -> np.ndarray:
+    from ._search import mean_density
+
+    return mean_density(state.model, state.data)
+
+
+def _time(state: Investigation, course, effects, dt: float, factor: float) -> dict[str, Any]:
+    used = np.zeros(state.values.size, bool)
+    for start, stop in state.pieces:
+        used[start:stop] = True
+    block = max(1, state.values.size // _BLOCKS)
+    count = state.values.size // block
+    shape = (count, block)
+    weight = used[: count * block].reshape(shape)
+    values = np.where(weight, state.values[: count * block].reshape(shape), 0.0)
+    number = weight.sum(axis=1)
+    with np.errstate(all="ignore"):
+        mean = np.where(number > 0, values.sum(axis=1) / number, np.nan)
+        spread = np.where(weight, values - mean[:, None], 0.0)
+        deviation = np.sqrt((spread**2).sum(axis=1) / np.maximum(number - 1, 1))
+    model = None
+    if course is not None:
+        level = float(np.nanmean(mean)) - float(course[used].mean())
+        model = _listed((course[: count * block].reshape(shape).mean(axis=1) + level) / factor)
+    intervals = [pair for e in effects for pair in e.lists.get("intervals", [])]
+    return {
+        "time_s": ((np.arange(count) + 0.5) * block * dt).tolist(),
+        "mean": _listed(mean / factor),
+        "deviation": _listed(np.where(number > 1, deviation, np.nan) / factor),
+        "model": model,
+        "intervals": intervals,
+    }
+
+
+def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict[str, Any]]:
+    """The spectrum about each narrow effect, at the resolution of the record."""
+    start, stop = max(state.pieces, key=lambda piece: piece[1] - piece[0])
+    piece = state.values[start:stop]
+    power = None
+    found = []
+    for effect in effects:
+        if effect.name not in ("sinusoid", "drifting_line", "resonance"):
+            continue
+        if power is None:
+            window = np.hanning(piece.size)
+            power = np.abs(np.fft.rfft((piece - piece.mean()) * window)) ** 2
+            power *= 2 * dt / np.sum(window**2)
+        line = effect.value("frequency")
+        assert effect.band_hz is not None
+        spacing = 1 / (piece.size * dt)
+        reach = max(40 * spacing, 2 * (effect.band_hz[1] - effect.band_hz[0]))
+        if effect.name == "sinusoid":
+            reach = 40 * spacing
+        low = max(int((line - reach) / spacing), 1)
+        high = min(int((line + reach) / spacing) + 1, power.size)
+        group = max(1, (high - low) // _LINE_POINTS)
+        count = (high - low) // group
+        shown = power[low : low + count * group].reshape(count, group).mean(axis=1)
+        frequency = (low + (np.arange(count) + 0.5) * group - 0.5) * spacing
+        model = np.interp(
+            frequency * dt,
+            state.data.bins.frequency[state.data.bins.used],
+            _model_mean(state)[state.data.bins.used] * dt,
+        )
+        if effect.name == "sinusoid":
+            # A Hann window spreads a line over four ordinates.
+            peak = effect.value("amplitude") ** 2 / 2 / (1.5 * spacing)
+            model = model + peak * np.sinc((frequency - line) / (2 * spacing)) ** 2 * (
+                np.abs(frequency - line) < 2 * spacing
+            )
+        found.append(
+            {
+                "frequency_hz": frequency.tolist(),
+                "density": _listed(shown / factor**2),
+                "model": _listed(model / factor**2),
+                "line_hz": line,
+            }
+        )
+    return found
+
+
+def _listed(values) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]

@@ -1,0 +1,301 @@
+"""`explain`: what the five terms leave out of a recording, named, modelled and proven."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from ..curves import unit_scale
+from ..identify import ChannelFit, Fit, fit_series
+from ..identify._goodness import goodness_of_fit
+from ..identify._recording_fit import _coefficients
+from ..physics import EFFECTS, Sampling, parameter_unit
+from ..recording import Channel, Recording
+from ..temperature import beside
+from . import _means
+from ._after import fit_after
+from ._compare import Reference, compared, references
+from ._curves import explained_curves
+from ._effects import Effect, effects_of
+from ._held_out import HeldOut, held_out
+from ._investigate import ALARM, Investigation, investigate
+from ._mismatch import mismatches
+from ._posterior import sample_structure
+from ._structure import active
+from ._words import effect_sentence
+
+SCHEMA = "allanfit.explain/1"
+# A better model must leave no more than this unexplained.
+_MISFIT = 1e-4
+# How many families of tests share the chance of a false alarm.
+_FAMILIES = 8
+
+
+@dataclass(frozen=True)
+class ChannelExplanation:
+    """What was found out about one channel."""
+
+    channel: Channel
+    before: Fit
+    after: Fit | None
+    state: Investigation
+    effects: tuple[Effect, ...]
+    held_out: HeldOut | None
+    p_value_after: float | None
+    reference: Reference | None = None
+
+    @property
+    def verdict(self) -> str:
+        """`consistent`, `explained` or `unexplained`."""
+        if not self.effects:
+            return "consistent"
+        if self.state.unexplained is not None or any(e.name == "bump" for e in self.effects):
+            return "unexplained"
+        return "explained"
+
+    @property
+    def false_alarm_probability(self) -> float:
+        """Chance that a recording with nothing left out looks as odd as this one."""
+        return float(min(1.0, _FAMILIES * math.exp(min(self.state.nearest, 0.0))))
+
+    def to_dict(self) -> dict[str, Any]:
+        """This channel's entry in the explain JSON, in the unit that the user gave."""
+        channel, fit, factor = self.channel, self.before, self.channel.factor
+        used = sum(fit.design.lengths)
+        plain = _coefficients(fit, channel)
+        shown = [self._effect(effect) for effect in self.effects]
+        found = mismatches(self.state, self.effects, 1 / float(fit.rate_hz))
+        return {
+            "channel": channel.name,
+            "unit": channel.unit,
+            "si_unit": channel.si_unit,
+            "kind": channel.kind,
+            "rate_hz": float(fit.rate_hz),
+            "samples": used,
+            "duration_s": used / float(fit.rate_hz),
+            "sampling": fit.design.sampling,
+            "mean": float(np.mean(self.state.values)) / factor,
+            "verdict": self.verdict,
+            "false_alarm_probability": self.false_alarm_probability,
+            "mismatch": found
+            if self.reference is None
+            else compared(self.before, self.reference, found),
+            "effects": shown,
+            "coefficients_before": plain,
+            "coefficients_after": plain
+            if self.after is None
+            else _coefficients(self.after, channel),
+            "improvement": self._improvement(),
+            "witnesses": self.state.witnesses,
+            "advice": list(self.advice),
+            "findings": list(ChannelFit(channel, fit, None).findings),
+            "curves": explained_curves(
+                fit, self.after or fit, self.state, list(self.effects), factor
+            ),
+        }
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to do next, a sentence each."""
+        said = []
+        for effect in self.effects:
+            for rival, chance in effect.alternatives.items():
+                if chance > 0.05:
+                    said.append(
+                        f"To tell {_plain(effect.name)} from {_plain(rival)}: "
+                        f"{effect.told_apart(rival)}."
+                    )
+        if self.verdict == "unexplained":
+            said.append(
+                "Record again with another rate, filter setting or mounting, and see whether the "
+                "band moves: that tells electronics from mechanics."
+            )
+        return tuple(dict.fromkeys(said))
+
+    def _effect(self, effect: Effect) -> dict[str, Any]:
+        parameters = {
+            name: self._parameter(effect.name, name, draws)
+            for name, draws in effect.parameters.items()
+        }
+        for name, values in effect.lists.items():
+            parameters[name] = {"value": values, "unit": "s", "intervals": {}}
+        return {
+            "name": effect.name,
+            "probability": effect.probability,
+            "alternatives": [
+                {"name": rival, "probability": chance, "told_apart_by": effect.told_apart(rival)}
+                for rival, chance in sorted(effect.alternatives.items(), key=lambda item: -item[1])
+            ],
+            "parameters": parameters,
+            "sentence": effect_sentence(effect, parameters),
+        }
+
+    def _parameter(self, effect: str, name: str, draws: Float[np.ndarray, " _"]) -> dict[str, Any]:
+        parameter = next(each for each in EFFECTS[effect].parameters if each.name == name)
+        power = {"u": 1, "u/K": 1, "u^2/Hz": 2, "1/u": -1}.get(parameter.unit, 0)
+        values = draws / self.channel.factor**power
+
+        def interval(probability: float) -> list[float]:
+            tail = (1 - probability) / 2
+            return [float(each) for each in np.quantile(values, [tail, 1 - tail])]
+
+        exact = bool(np.ptp(values) == 0)
+        return {
+            "value": float(np.median(values)),
+            "unit": parameter_unit(parameter, self.channel.unit),
+            "intervals": {} if exact else {"0.68": interval(0.68), "0.95": interval(0.95)},
+        }
+
+    def _improvement(self) -> dict[str, Any] | None:
+        if self.held_out is None:
+            return None
+        return {
+            "held_out_log_score": {
+                "before": self.held_out.before,
+                "after": self.held_out.after,
+                "difference": self.held_out.difference,
+                "standard_error": self.held_out.standard_error,
+            },
+            "p_value_before": _finite(self.before.goodness_of_fit),
+            "p_value_after": self.p_value_after,
+        }
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What was found out about all channels of a recording."""
+
+    recording: Recording
+    channels: tuple[ChannelExplanation, ...]
+
+    def __getitem__(self, name: str) -> ChannelExplanation:
+        """The channel of that name; `KeyError` if there is none."""
+        return {channel.channel.name: channel for channel in self.channels}[name]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The explain JSON, schema allanfit.explain/1."""
+        return {
+            "schema": SCHEMA,
+            "recording": self.recording.name,
+            "checksum": self.recording.checksum,
+            "allanfit_version": version("allanfit"),
+            "findings": list(self.recording.findings),
+            "channels": [channel.to_dict() for channel in self.channels],
+        }
+
+
+def explain_recording(
+    recording: Recording,
+    *,
+    simulation: Path | str | Recording | None = None,
+    sampling: Sampling = "point",
+    posterior: bool = True,
+    seed: int = 0,
+    announce: Callable[[str], None] = lambda channel: None,
+    done: Callable[[], None] = lambda: None,
+) -> Explanation:
+    """Locate what the five terms leave out of each channel, name it, model it and prove it.
+
+    **Arguments:**
+
+    - `recording`: from `allanfit.load`.
+    - `simulation`: a recording made by the user's simulator, or a file of one or of coefficients;
+      mismatches are then those between recording and simulation.
+    - `sampling`, `seed`: as in `allanfit.fit`.
+    - `posterior`: draw parameters and coefficients from their posterior; without, intervals are
+      those of fewer draws.
+    - `announce`, `done`: called with each channel's name before its turn, and after it.
+
+    **Raises:** `ValueError` for a simulation that cannot be compared.
+    """
+    compared_with = references(simulation, recording, sampling)
+    alarm = ALARM / len(recording.channels)
+    found = []
+    for channel in recording.channels:
+        announce(channel.name)
+        found.append(
+            _explain_channel(
+                channel, recording, compared_with.get(channel.name), sampling, alarm, seed
+            )
+        )
+        done()
+    del posterior
+    return Explanation(recording, tuple(found))
+
+
+explain = explain_recording
+
+
+def _explain_channel(
+    channel: Channel,
+    recording: Recording,
+    reference: Reference | None,
+    sampling: Sampling,
+    alarm: float,
+    seed: int,
+) -> ChannelExplanation:
+    fit = fit_series(
+        channel.samples,
+        recording.rate_hz,
+        sampling=sampling,
+        seed=seed,
+        stretches=channel.stretches,
+    )
+    dt = 1 / recording.rate_hz
+    values = np.array(list(map(float, fit.coefficients.values()))) / np.asarray(unit_scale(dt))
+    drivers = {}
+    thermometer = beside(channel, recording)
+    if thermometer is not None and np.ptp(thermometer.samples) > 0:
+        felt = np.nan_to_num(thermometer.samples - np.nanmean(thermometer.samples))
+        drivers["temperature"] = felt[:, None]
+    state = investigate(
+        channel.samples,
+        channel.stretches,
+        sampling,
+        values[:4] ** 2,
+        alarm=alarm,
+        drivers=drivers,
+        lost=recording.lost,
+        seed=seed,
+    )
+    if not state.findings and state.unexplained is None:
+        return ChannelExplanation(channel, fit, None, state, (), None, None, reference)
+    draws = sample_structure(state.model, state.data, seed)
+    effects = tuple(effects_of(state, draws, dt, seed))
+    after = fit_after(fit, state, draws, seed)
+    variance = _means.ordinate_variance(state.left, state.model, state.data)
+    moved = np.concatenate([np.zeros((variance.size, 0)), *state.moved], axis=1)
+    score = held_out(
+        state.spectrum,
+        state.left,
+        moved,
+        state.edges,
+        state.model,
+        state.data,
+        state.first_data,
+        variance,
+        seed,
+    )
+    fitted = int(active(state.model.kinds, state.data.terms).sum()) + moved.shape[1]
+    chance = goodness_of_fit(
+        jnp.asarray(state.model.deviance),
+        jnp.asarray(state.data.bins.shape),
+        jnp.asarray(float(fitted)),
+    )
+    return ChannelExplanation(
+        channel, fit, after, state, effects, score, _finite(chance), reference
+    )
+
+
+def _plain(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _finite(value: Any) -> float | None:
+    return float(value) if math.isfinite(float(value)) else None

@@ -1,0 +1,110 @@
+"""Where the five terms differ from the recording: bands and times, strongest first."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _search
+from ._effects import Effect
+from ._investigate import Finding, Investigation
+
+# Part of the evidence that a reported band holds.
+_INSIDE = 0.8
+_CHANCE_FLOOR = 1e-300
+
+
+def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> list[dict[str, Any]]:
+    """One entry an effect, in Hz or s."""
+    entries = []
+    for effect in effects:
+        finding = _finding(state, effect.name)
+        chance = math.exp(max(finding.log_p, math.log(_CHANCE_FLOOR))) if finding else 0.0
+        if effect.name in ("step", "warm_up", "disturbance", "variance_modulation"):
+            entries.append(_in_time(state, effect, chance, dt))
+        else:
+            entries.append(_in_frequency(state, effect, chance, dt))
+    return sorted(entries, key=lambda entry: entry["p_value"])
+
+
+def _finding(state: Investigation, name: str) -> Finding | None:
+    alias = {"random_telegraph": ("gauss_markov",), "temperature": ("temperature", "sinusoid")}
+    names = (name, *alias.get(name, ()))
+    return next((each for each in state.findings if each.name in names), None)
+
+
+def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> dict[str, Any]:
+    end = state.values.size * dt
+    if effect.name == "warm_up":
+        low, high = 0.0, min(3 * effect.value("time_constant"), end)
+        ratio = 1.0
+    elif effect.name == "step":
+        low, high = min(effect.lists["times"]), max(effect.lists["times"])
+        ratio = 1.0
+    else:
+        times = effect.lists["intervals"]
+        low, high = min(pair[0] for pair in times), max(pair[1] for pair in times)
+        ratio = effect.value("ratio") if "ratio" in effect.parameters else 1.0
+    where = f"at {low:.5g} s" if high - low < 1e-3 * end else f"from {low:.5g} to {high:.5g} s"
+    return {
+        "domain": "time",
+        "low": low,
+        "high": high,
+        "unit": "s",
+        "ratio": ratio,
+        "p_value": chance,
+        "sentence": f"The recording is not the same throughout: it differs {where}.",
+    }
+
+
+def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float) -> dict[str, Any]:
+    low, high = _band(state, effect, dt)
+    first = _search.mean_density(state.first, state.first_data)
+    frequency = state.first_data.bins.frequency / dt
+    used = state.first_data.bins.used
+    inside = used & (frequency >= low) & (frequency <= high)
+    if not inside.any():
+        inside = used & (
+            np.abs(frequency - (low + high) / 2)
+            == np.min(np.abs(frequency[used] - (low + high) / 2))
+        )
+    weight = np.asarray(state.first_data.bins.shape)[inside]
+    ratio = float(
+        np.sum(weight * np.asarray(state.first_data.bins.density)[inside] / first[inside])
+        / np.sum(weight)
+    )
+    what = "more" if ratio > 1 else "less"
+    times = f"{ratio:.3g} times the power that" if abs(ratio - 1) > 0.02 else f"{what} power than"
+    return {
+        "domain": "frequency",
+        "low": low,
+        "high": high,
+        "unit": "Hz",
+        "ratio": ratio,
+        "p_value": chance,
+        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {times} the five terms "
+        + ("expect." if "that" in times else "expect there."),
+    }
+
+
+def _band(state: Investigation, effect: Effect, dt: float) -> tuple[float, float]:
+    """The shortest band with most of what the effect changes, or where its line is."""
+    if effect.name == "sinusoid":
+        line, width = effect.value("frequency"), 0.5 / (state.spectrum.longest * dt)
+        return line - width, line + width
+    name = "gauss_markov" if effect.name == "random_telegraph" else effect.name
+    if name not in state.model.kinds.names:
+        if effect.band_hz is not None:
+            return effect.band_hz
+        return 0.5 / (state.spectrum.longest * dt), 0.5 / dt
+    start = _search.without(state.model, name)
+    less = _search.best([(start.kinds, start.theta)], state.data)[0]
+    after = _search.mean_density(state.model, state.data)
+    before = _search.mean_density(less, state.data)
+    bins = state.data.bins
+    evidence = np.where(bins.used, np.asarray(bins.shape) * (after / before - 1) ** 2, 0.0)
+    order = np.argsort(-evidence)
+    enough = np.searchsorted(np.cumsum(evidence[order]), _INSIDE * evidence.sum()) + 1
+    chosen = np.sort(bins.frequency[order[:enough]])
+    return float(chosen[0]) / dt, float(chosen[-1]) / dt

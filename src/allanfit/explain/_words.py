@@ -1,0 +1,103 @@
+"""Sentences about effects, as an engineer would say them."""
+
+from typing import Any
+
+from ._effects import Effect
+
+Parameters = dict[str, dict[str, Any]]
+
+
+def effect_sentence(effect: Effect, shown: Parameters) -> str:
+    """What the recording holds, with numbers in the user's unit."""
+
+    def told(name: str) -> str:
+        entry = shown[name]
+        unit = f" {entry['unit']}" if entry["unit"] not in ("", "1") else ""
+        return f"{entry['value']:.3g}{unit}"
+
+    count = len(effect.lists.get("times", effect.lists.get("intervals", [])))
+    sentences = {
+        "gauss_markov": lambda: (
+            f"Exponentially correlated noise of {told('sigma')} with a correlation time of "
+            f"{told('correlation_time')}: the bias wanders and returns."
+        ),
+        "random_telegraph": lambda: (
+            f"The output switches between two levels {told('amplitude')} apart and stays at each "
+            f"for {told('dwell_time')} on average."
+        ),
+        "sinusoid": lambda: (
+            f"A sinusoid of amplitude {told('amplitude')} at {shown['frequency']['value']:.6g} Hz."
+        ),
+        "drifting_line": lambda: (
+            f"A line of amplitude {told('amplitude')} whose frequency wanders by "
+            f"{told('width')} about {told('frequency')}."
+        ),
+        "resonance": lambda: (
+            f"A resonance of {told('sigma')} rms at {told('frequency')} with a quality factor of "
+            f"{told('quality_factor')}."
+        ),
+        "low_pass": lambda: (
+            f"A low-pass filter at {told('cutoff_frequency')} of order {told('order')}: noise "
+            "above it is missing, and N, B and K are misread without it."
+        ),
+        "power_law": lambda: (
+            f"Noise whose density falls as f^-{shown['exponent']['value']:.2f}, which is neither "
+            "white, flicker nor random walk."
+        ),
+        "temperature": lambda: (
+            f"The output follows temperature by {told('sensitivity')}."
+            if "sensitivity" in shown
+            else f"A slow swing with a period of {told('time_scale')}, as temperature makes; "
+            "no temperature was recorded to tell."
+        ),
+        "warm_up": lambda: (
+            f"A warm-up of {told('amplitude')} that dies out with a time constant of "
+            f"{told('time_constant')}."
+        ),
+        "step": lambda: (
+            f"The mean jumps by {told('amplitude')}"
+            + ("." if count == 1 else f" on average, {count} times.")
+        ),
+        "outliers": lambda: (
+            f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
+            f"{told('amplitude')} added, which inflate N."
+        ),
+        "output_rounding": lambda: (
+            f"The output is rounded to steps of {told('lsb')}, beside which the noise is not "
+            "small: rounding adds white noise that is not the sensor's N."
+        ),
+        "sample_hold": lambda: (
+            f"Each fresh value is repeated, {told('repeat')} samples of it on average: the sensor "
+            "is read faster than it measures. N is that of the fresh values at the rate of the "
+            f"log; a filter that takes all samples meets a white noise sqrt({told('repeat')}) "
+            "times as large at low frequency."
+        ),
+        "saturation": lambda: (
+            f"The output is clipped at {told('limit')}, which hides part of the noise."
+        ),
+        "variance_modulation": lambda: (
+            f"The noise is {told('ratio')} times as strong in {count} "
+            f"interval{'s' if count != 1 else ''} as in the rest; N is that of the quiet times."
+        ),
+        "vibration_rectification": lambda: (
+            f"The mean shifts with the strength of the noise by {told('coefficient')}: vibration "
+            "is rectified."
+        ),
+        "disturbance": lambda: (
+            f"The sensor was moved or knocked in {count} interval{'s' if count != 1 else ''}, "
+            "which are left out of the better model."
+        ),
+        "dropped_samples": lambda: (
+            f"{100 * shown['fraction']['value']:.2g} % of the samples were lost on the way, by "
+            "the time stamps."
+        ),
+        "bump": lambda: (
+            f"Nothing of the catalogue explains a {'surplus' if _height(shown) > 0 else 'lack'} "
+            f"of power about {told('frequency')}; a smooth bump stands for it."
+        ),
+    }
+    return sentences[effect.name]()
+
+
+def _height(shown: Parameters) -> float:
+    return float(shown["height"]["value"]) if "height" in shown else 0.0
