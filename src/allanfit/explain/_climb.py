@@ -11,7 +11,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active, added_density, shaped
+from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active, added_density, holding, shaped
 
 _STEPS = 60
 # Less than this in twice the log-likelihood is as good as nothing.
@@ -74,7 +74,9 @@ def expected_density(
 def parts(theta: Starts, kinds: Kinds, data: Data):
     """Columns of the terms, the bump, and what each added noise puts into each bin."""
     folded, passed, bump = _shape(theta, kinds, data, slopes=False)[0]
-    shape = np.stack([np.ones_like(folded), folded * data.holding, passed, passed], axis=2)
+    held = holding(data)
+    slow = passed * held / data.repeat
+    shape = np.stack([np.ones_like(folded), folded * held, slow, slow], axis=2)
     columns = np.asarray(data.bins.expected) * shape * bump[..., None]
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     added = [
@@ -114,8 +116,10 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
         assert found is not None
         folded, passed, bumped = found
         plain = np.asarray(data.bins.expected) * power[:, None]
-        slope = folded * (plain[..., 1] * data.holding * bump)[..., None]
-        slope = slope + passed * ((plain[..., 2] + plain[..., 3]) * bump)[..., None]
+        held = holding(data)
+        slope = folded * (plain[..., 1] * held * bump)[..., None]
+        slow = (plain[..., 2] + plain[..., 3]) * held / data.repeat
+        slope = slope + passed * (slow * bump)[..., None]
         blocks.append(slope + bumped * (total / bump)[..., None])
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     for i, name in enumerate(kinds.added):

@@ -19,6 +19,8 @@ _ROOM_PERIOD_S = 240.0
 _SURE = 0.99
 _LINE = 0.97
 _LIKELY_ROOM = 0.75
+# Bands that lie as close are parts of one line that is no textbook shape.
+_BESIDE = 1.02
 _TOLD_APART = {
     "temperature": "log the temperature beside the data and record again",
     "sinusoid": "log the temperature beside the data and record again",
@@ -315,8 +317,8 @@ def _merged(found: list[Effect]) -> list[Effect]:
                 and effect.name in ("drifting_line", "resonance")
                 and effect.band_hz is not None
                 and old.band_hz is not None
-                and effect.band_hz[0] < old.band_hz[1]
-                and old.band_hz[0] < effect.band_hz[1]
+                and effect.band_hz[0] < _BESIDE * old.band_hz[1]
+                and old.band_hz[0] < _BESIDE * effect.band_hz[1]
             ),
             None,
         )

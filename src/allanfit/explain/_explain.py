@@ -272,8 +272,8 @@ def _explain_channel(
     variance = _means.ordinate_variance(state.left, state.model, state.data)
     moved = np.concatenate([np.zeros((variance.size, 0)), *state.moved], axis=1)
     score = held_out(
-        state.spectrum,
-        state.left,
+        state.spectrum._replace(top=0.5),
+        state.left._replace(top=0.5),
         moved,
         state.edges,
         state.model,

@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.stats import binom
 
-from ..physics import SampleHold
 from ..recording._checks import code_width, rails, repeated, usable
 
 # A code this wide beside the local noise adds 2 % to its variance, and an engineer should know.
@@ -26,13 +24,6 @@ class Repeat:
     fraction: float
     by_chance: float
     log_p: float
-
-    def gain(self, frequency: Float[np.ndarray, " bins"]) -> Float[np.ndarray, " bins"]:
-        """What holding does to the density of white noise [cycles per sample]."""
-        held = round(self.samples) if self.regular else self.samples
-        gain = SampleHold(jnp.asarray(float(held))).gain(jnp.asarray(frequency), 1.0)
-        # A regular hold has zeros, in which only rounding is left.
-        return np.maximum(np.asarray(gain), 1e-12)
 
 
 @dataclass(frozen=True)

@@ -63,8 +63,8 @@ def _fold(left: Ordinates, edges, model: Model, data: Data, plain: Data, fold: i
 
 
 def _fitted(train: Bins, model: Model, data: Data, plain: Data) -> tuple[Model, Model]:
-    known = data._replace(bins=train, holding=_resized(data, train))
-    simple = plain._replace(bins=train, holding=np.ones(train.shape.size))
+    known = data._replace(bins=train)
+    simple = plain._replace(bins=train)
     old = five_terms(np.exp(model.theta[:TERMS]), simple)
     new = best([(model.kinds, model.theta)], known)[0]
     return old, new
@@ -72,18 +72,12 @@ def _fitted(train: Bins, model: Model, data: Data, plain: Data) -> tuple[Model, 
 
 def _scores(test: Bins, old: Model, new: Model, model: Model, data: Data, plain: Data):
     """Log-likelihoods of the bins under both, and the variance of the difference."""
-    before = mean_density(old, plain._replace(bins=test, holding=np.ones(test.shape.size)))
-    after = mean_density(new, data._replace(bins=test, holding=_resized(data, test)))
+    before = mean_density(old, plain._replace(bins=test))
+    after = mean_density(new, data._replace(bins=test))
     shape, density = np.asarray(test.shape), np.asarray(test.density)
     low = -np.sum(shape * (np.log(before) + density / before))
     high = -np.sum(shape * (np.log(after) + density / after))
     return float(low), float(high), shape * (after / before - 1) ** 2
-
-
-def _resized(data: Data, bins: Bins) -> Float[np.ndarray, " bins"]:
-    """What holding does to white noise, at other bins."""
-    used = data.bins.used
-    return np.interp(bins.frequency, data.bins.frequency[used], np.asarray(data.holding)[used])
 
 
 def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, variance, seed):
@@ -108,8 +102,8 @@ def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, vari
 
 def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data, edges) -> float:
     """Standard error of the difference, from ordinates taken in rotation."""
-    before = mean_density(old, plain._replace(bins=bins, holding=np.ones(bins.shape.size)))
-    after = mean_density(new, data._replace(bins=bins, holding=_resized(data, bins)))
+    before = mean_density(old, plain._replace(bins=bins))
+    after = mean_density(new, data._replace(bins=bins))
     used, frequency = bins.used, bins.frequency
     m0 = np.interp(test.frequency, frequency[used], before[used])
     m1 = np.interp(test.frequency, frequency[used], after[used])

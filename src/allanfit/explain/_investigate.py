@@ -139,7 +139,7 @@ def _begin(values, pieces, sampling, power, alarm) -> Investigation:
     spectrum = ordinates(parts, sampling)
     edges = bin_edges(spectrum.longest)
     bins = binned(spectrum, edges)
-    data = Data(bins, float(spectrum.longest), 0.0, np.ones(bins.shape.size), np.ones(4, bool))
+    data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool))
     first = _search.five_terms(power, data)
     return Investigation(
         values, pieces, sampling, alarm, found, spectrum, edges, data, first, first, data
@@ -152,9 +152,11 @@ def _about_format(state: Investigation) -> None:
     if made.repeat is not None:
         state.findings = [f for f in state.findings if f.name != "sample_hold"]
         state.findings.append(Finding("sample_hold", max(made.repeat.log_p, -1e4), 0.0))
-        state.data = state.data._replace(
-            holding=made.repeat.gain(np.asarray(state.data.bins.nodes)[:, 1])
-        )
+        if made.repeat.regular:
+            # Up to the Nyquist frequency of the fresh values; beyond are their images.
+            state.spectrum = state.spectrum._replace(top=0.5 / made.repeat.samples)
+        state.data = state.data._replace(repeat=made.repeat.samples)
+        _rebin(state)
     if made.coarse:
         state.findings = [f for f in state.findings if f.name != "output_rounding"]
         state.findings.append(Finding("output_rounding", -1e3, 0.0))
@@ -168,9 +170,9 @@ def _about_format(state: Investigation) -> None:
 
 def _refit(state: Investigation) -> None:
     """The present structure again, with what is known of white noise that is not N."""
-    # Rounding cannot be more than there is: coarse codes that hide the noise leave it less.
-    floor = np.min(np.asarray(state.data.bins.density)[state.data.bins.used])
-    state.data = state.data._replace(foreign=min(2 * state.foreign, 0.98 * floor))
+    # Of all white noise something has to be left for N: coarse codes may hide the noise.
+    white = 2 * float(np.exp(state.first.theta[1]))
+    state.data = state.data._replace(foreign=min(2 * state.foreign, 0.999 * white))
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
     state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
@@ -241,10 +243,15 @@ def _about_spread(state: Investigation, seed: int) -> bool:
     mean = level(state.left, _means.ordinate_variance(state.spectrum, state.model, state.data))
     height = float(np.mean(1 / np.sqrt(mean / 2)))
     if loud:
-        strength = np.where(changing.loud, changing.ratio**2, 1.0)
+        added = _loud_variance(state, piece, changing)
+        # As loud as it gets, in all of the spectrum or in the white part of it.
+        share = float(changing.loud.mean())
+        quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
+        ratio = max(changing.ratio**2, 1 + added / share / quiet)
+        strength = np.where(changing.loud, ratio, 1.0)
         dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
         state.spectrum = state.spectrum._replace(dilution=dilution)
-        state.foreign += _loud_variance(state, piece, changing)
+        state.foreign += added
         state.findings.append(
             Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
         )
@@ -280,9 +287,7 @@ def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modul
         return 0.0
     spectrum = ordinates(quiet, state.sampling)
     bins = binned(spectrum, bin_edges(spectrum.longest))
-    data = state.data._replace(
-        bins=bins, samples=float(spectrum.longest), foreign=0.0, holding=np.ones(bins.shape.size)
-    )
+    data = state.data._replace(bins=bins, samples=float(spectrum.longest), foreign=0.0, repeat=1.0)
     alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
     return float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1]))
 
@@ -369,7 +374,11 @@ def _round(state: Investigation, drivers: dict[str, Any]) -> bool:
         return False
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     lines = [option for option in alarms if option.name == "line"]
-    chosen = max(lines or alarms, key=lambda option: option.gain if lines else option.score)
+    if not lines and len(state.peaks) > state.model.kinds.added.count("resonance") + (
+        state.model.kinds.added.count("drifting_line")
+    ):
+        lines = [option for option in alarms if option.name in ("resonance", "drifting_line")]
+    chosen = max(lines or alarms, key=lambda option: option.score)
     rivals: dict[str, float] = {}
     for option in options:
         if option.name != "line":
@@ -441,10 +450,7 @@ def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) 
 
 def _rebin(state: Investigation) -> None:
     bins = binned(state.left, state.edges)
-    holding = np.ones(bins.shape.size)
-    if state.format.repeat is not None:
-        holding = state.format.repeat.gain(np.asarray(bins.nodes)[:, 1])
-    state.data = state.data._replace(bins=bins, holding=holding)
+    state.data = state.data._replace(bins=bins)
     state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
 
 
@@ -537,9 +543,22 @@ def _refined(state: Investigation, course: Course) -> Course:
         )
     if course.name == "warm_up":
         constant = course.shape["time_constant"]
-        return _means.polish(
+        best = _means.polish(
             course, lambda c: _means.warm_up(c, start, samples), constant, constant / 5, gain
         )
+        constant = best.shape["time_constant"]
+        # Its standard deviation from how fast the likelihood falls beside the best.
+        beside = [gain(_means.warm_up(part * constant, start, samples)) for part in (0.9, 1.1)]
+        fall = max(gain(best) - np.mean(beside), 1e-3)
+        best.shape["deviation"] = 0.1 * constant / np.sqrt(fall)
+        return best
+    if course.name == "sinusoid":
+        sized = _with(state, course)
+        amplitude = float(np.hypot(*sized.sizes[-2:]))
+        variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
+        density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
+        spread = np.sqrt(12 * density / (amplitude**2 * float(length) ** 3)) / (2 * np.pi)
+        course.shape["deviation"] = float(spread)
     return course
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import gamma
 
-# A band may be as broad as this part of the ordinates; broader, bins see it as well.
-_WIDEST_PART = 24
+# A band may be as broad as this part of its frequency; broader, bins see it as well.
+_BROAD = 0.04
 _MOST = 24
 # A broader window has to say more than a narrower one by this much, in log p.
 _NARROWER = 3.0
@@ -68,10 +68,12 @@ def _strongest(
     )
     total = np.concatenate([[0.0], np.cumsum(power)])
     width = 2
-    while _WIDEST_PART * width < power.size:
+    while width < _BROAD * power.size:
         # Half a window apart; a window's power is Gamma with its width for shape.
         start = np.arange(_SLOWEST, power.size - width - 1, max(1, width // 2))
         inside = total[start + width] - total[start]
+        # Broad for its frequency, a band is no line, and the level need not be flat within it.
+        inside = np.where(width < _BROAD * start, inside, 0.0)
         at = int(np.argmax(inside))
         # Many widths are looked at, and the narrowest that says as much is best.
         log_p = _log_tail(float(inside[at]), width) + float(np.log(8 * start.size))

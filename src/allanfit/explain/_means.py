@@ -115,7 +115,8 @@ def size_up(
     left = spectrum
     for _ in range(_ROUNDS):
         variance = ordinate_variance(spectrum, model, data)
-        weighted = moved / variance[:, None]
+        seen = spectrum.frequency <= spectrum.top
+        weighted = np.where(seen, 1 / variance, 0.0)[:, None] * moved
         information = weighted.T @ moved
         unit = np.sqrt(np.maximum(np.diag(information), 1e-300))
         inverse = np.linalg.pinv(information / unit / unit[:, None], rcond=1e-10, hermitian=True)
@@ -179,7 +180,8 @@ class _Scan(NamedTuple):
 
     def gain(self, columns: Float[np.ndarray, "blocks columns"]) -> float:
         """What generalised least squares gains by some columns beside the ramp."""
-        moved = self.scale * dct(columns - columns.mean(axis=0), axis=0, norm="ortho")[self.orders]
+        spectrum = np.asarray(dct(columns - columns.mean(axis=0), axis=0, norm="ortho"))
+        moved = self.scale * spectrum[self.orders]
         root = np.sqrt(self.variance)
         basis, _ = np.linalg.qr(np.column_stack([self.ramp, moved]) / root[:, None])
         projected = basis.T @ (self.amplitude / root)

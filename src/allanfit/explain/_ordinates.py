@@ -41,6 +41,8 @@ class Ordinates(NamedTuple):
     #: How many ordinates count as one: more than one where the noise is not as strong at all
     #: times, which makes neighbours alike (mean of sigma^4 over the square of the mean sigma^2).
     dilution: float = 1.0
+    #: Above this frequency ordinates only repeat those below, as samples do that are held.
+    top: float = 0.5
 
     def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":
         """What is left when something with these amplitudes is taken out."""
@@ -141,7 +143,9 @@ def binned(
     fold: int | None = None,
 ) -> Bins:
     """Averages of all ordinates, or of one half of them, between the edges."""
-    kept = np.ones(spectrum.fold.shape, bool) if fold is None else spectrum.fold == fold
+    kept = spectrum.frequency <= spectrum.top
+    if fold is not None:
+        kept &= spectrum.fold == fold
     index = np.clip(np.searchsorted(edges, spectrum.frequency, side="right") - 1, 0, edges.size - 2)
     count = np.bincount(index[kept], minlength=edges.size - 1)
     used = count > 0

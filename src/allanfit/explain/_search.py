@@ -108,7 +108,8 @@ def candidates(
     starts: list[Start] = []
     if len(model.kinds.added) < _MOST_ADDED:
         for name in ADDED:
-            starts += _added(name, _shapes(name, data, peaks), model, data)
+            shapes = _shapes(name, data, (*peaks, *_highest(model, data)))
+            starts += _added(name, shapes, model, data)
     if model.kinds.shaping is None:
         starts += _filtered(model, data)
     return _compare(starts, model, data)
@@ -163,6 +164,20 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
         Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
         for name, reached in leading.items()
     ]
+
+
+def _highest(model: Model, data: Data) -> list[tuple[float, float]]:
+    """Where the spectrum stands highest above the model, as (frequency, half width)."""
+    ratio = np.where(data.bins.used, data.bins.density / mean_density(model, data), 1.0)
+    shape = np.asarray(data.bins.shape)
+    # Deviance of three neighbours together, where they are above.
+    kernel = np.ones(3)
+    weight = np.convolve(shape, kernel, "same")
+    mean = np.convolve(shape * ratio, kernel, "same") / np.maximum(weight, 1e-9)
+    excess = np.where(mean > 1, weight * (mean - 1 - np.log(np.maximum(mean, 1e-9))), 0.0)
+    at = int(np.argmax(excess))
+    frequency = float(data.bins.frequency[at])
+    return [(frequency, 0.03 * frequency), (frequency, 0.15 * frequency)]
 
 
 def _shapes(name: str, data: Data, peaks) -> list[tuple[float, float]]:

@@ -18,7 +18,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from ..physics import Bump, DriftingLine, GaussMarkov, LowPass, PowerLaw, Resonance
+from ..physics import (
+    Bump,
+    DriftingLine,
+    GaussMarkov,
+    LowPass,
+    PowerLaw,
+    Resonance,
+    SampleHold,
+)
 from ._ordinates import _NODES, Bins, averaged
 
 #: Noises that a structure may add, and what may shape it, by name.
@@ -62,9 +70,10 @@ class Data(NamedTuple):
     bins: Bins
     #: Samples of the longest stretch.
     samples: float | Float[Array, ""]
-    #: White density that is not N [u^2], and what holding does to white noise, shape (bins,).
+    #: White density that is not N [u^2].
     foreign: float | Float[Array, ""]
-    holding: Float[np.ndarray, " bins"] | Float[Array, " bins"]
+    #: Samples for each fresh value: whole if held equally long, 1 if not held at all.
+    repeat: float
     #: Which of Q, N, B, K the structure has.
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
 
@@ -148,8 +157,21 @@ def powers(theta: Theta, data: Data) -> Float[Array, " terms"]:
 def columns(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "bins terms"]:
     """What unit powers of Q, N, B, K put into each bin, filter and bump included."""
     folded, passed, bump = _gains(theta, kinds, data)
-    shape = jnp.stack([jnp.ones_like(folded), folded * data.holding, passed, passed], axis=1)
+    held = holding(data)
+    # What is slow is held as well, and white noise is folded on top.
+    slow = passed * held / data.repeat
+    shape = jnp.stack([jnp.ones_like(folded), folded * held, slow, slow], axis=1)
     return jnp.asarray(data.bins.expected) * shape * bump[:, None]
+
+
+def holding(data: Data) -> Float[np.ndarray, " bins"]:
+    """What holding samples does to the density of white noise."""
+    middle = np.asarray(data.bins.nodes)[:, 1]
+    if data.repeat == 1:
+        return np.ones_like(middle)
+    gain = SampleHold(jnp.asarray(data.repeat)).gain(jnp.asarray(middle), 1.0)
+    # A regular hold has zeros, in which only rounding is left.
+    return np.maximum(np.asarray(gain), 1e-9)
 
 
 def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slots bins"]:

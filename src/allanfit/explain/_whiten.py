@@ -12,7 +12,7 @@ from ._ordinates import Ordinates
 
 # The lowest modes hold ramps and what a few degrees of freedom say of drift.
 _DROPPED = 6
-_BINS_PER_DECADE = 10
+_BINS_PER_DECADE = 20
 _FEWEST = 24
 # The median of a chi-square with one degree of freedom over its mean.
 _MEDIAN = 0.45494
@@ -50,6 +50,7 @@ def whitened(
     variance = np.interp(frequency, spectrum.frequency, expected) / 2
     coefficients /= np.sqrt(variance)
     coefficients[:_DROPPED] = 0.0
+    coefficients[frequency > spectrum.top] = 0.0
     for notch in notches:
         coefficients[np.abs(frequency - notch) < 2.5 / piece.size] = 0.0
     return np.asarray(idct(coefficients, norm="ortho"))
