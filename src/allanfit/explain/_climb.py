@@ -71,6 +71,15 @@ def expected_density(
     return _mean(theta[None], kinds, data, slopes=False)[0][0]
 
 
+def log_slopes(
+    theta: Starts, kinds: Kinds, data: Data
+) -> Float[np.ndarray, "starts bins parameters"]:
+    """Derivatives of the log of the expected density."""
+    found = _mean(theta, kinds, data, slopes=True)[1]
+    assert found is not None
+    return np.where(active(kinds, data.terms) & np.isfinite(found), found, 0.0)
+
+
 def parts(theta: Starts, kinds: Kinds, data: Data):
     """Columns of the terms, the bump, and what each added noise puts into each bin."""
     folded, passed, bump = _shape(theta, kinds, data, slopes=False)[0]

@@ -21,6 +21,7 @@ _LINE = 0.97
 _LIKELY_ROOM = 0.75
 # Bands that lie as close are parts of one line that is no textbook shape.
 _BESIDE = 1.02
+_SIZES = {"drifting_line": "amplitude", "resonance": "sigma"}
 _TOLD_APART = {
     "temperature": "log the temperature beside the data and record again",
     "sinusoid": "log the temperature beside the data and record again",
@@ -99,9 +100,9 @@ def _finding(state: Investigation, name: str) -> Finding | None:
 def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> list[Effect]:
     kinds, samples = state.model.kinds, state.data.samples
     found = []
-    if kinds.shaping == "low_pass":
+    if kinds.filtering and kinds.shaping is not None:
         three = draws.theta[:, 4:7].T
-        cutoff, order = (np.asarray(each) for each in shape_of("low_pass", three, samples))
+        cutoff, order = (np.asarray(each) for each in shape_of(kinds.shaping, three, samples))
         own, others = _probabilities(_finding(state, "low_pass"), "low_pass")
         found.append(
             Effect(
@@ -306,27 +307,28 @@ _MAKERS = {
 
 
 def _merged(found: list[Effect]) -> list[Effect]:
-    """Parts of one line, whose bands meet, as one effect."""
+    """Parts of one line, whose bands meet, as one effect: the larger names it."""
     kept: list[Effect] = []
-    for effect in found:
-        same = next(
-            (
-                old
-                for old in kept
-                if effect.name == old.name
-                and effect.name in ("drifting_line", "resonance")
-                and effect.band_hz is not None
-                and old.band_hz is not None
-                and effect.band_hz[0] < _BESIDE * old.band_hz[1]
-                and old.band_hz[0] < _BESIDE * effect.band_hz[1]
-            ),
-            None,
-        )
+    for effect in sorted(found, key=lambda each: -_size(each)):
+        same = next((old for old in kept if _one_line(old, effect)), None)
         if same is None:
             kept.append(effect)
-            continue
-        kept[kept.index(same)] = _joined(same, effect)
+        elif same.name == effect.name:
+            kept[kept.index(same)] = _joined(same, effect)
     return kept
+
+
+def _size(effect: Effect) -> float:
+    return effect.value(_SIZES[effect.name]) if effect.name in _SIZES else np.inf
+
+
+def _one_line(one: Effect, two: Effect) -> bool:
+    if one.name not in _SIZES or two.name not in _SIZES:
+        return False
+    if one.band_hz is None or two.band_hz is None:
+        return False
+    low = max(one.band_hz[0], two.band_hz[0])
+    return low < _BESIDE * min(one.band_hz[1], two.band_hz[1])
 
 
 def _joined(one: Effect, two: Effect) -> Effect:

@@ -15,9 +15,6 @@ from ._ordinates import Bins, Ordinates, binned
 from ._search import Model, best, five_terms, mean_density
 from ._structure import TERMS, Data
 
-# A line of the likelihood from independent parts: as many, to tell how far it scatters.
-_PARTS = 24
-
 
 class HeldOut(NamedTuple):
     """Log predictive density [nats] of ordinates that were not fitted."""
@@ -96,17 +93,17 @@ def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, vari
         high = _scores(clean, old, new, model, data, plain)[1]
         total_before += low / 2
         total_after += high / 2
-        scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain, edges))
+        scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain))
     return HeldOut(float(total_before), float(total_after), float(scatter))
 
 
-def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data, edges) -> float:
-    """Standard error of the difference, from ordinates taken in rotation."""
+def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data) -> float:
+    """Standard error of the difference when the better model is right."""
     before = mean_density(old, plain._replace(bins=bins))
     after = mean_density(new, data._replace(bins=bins))
     used, frequency = bins.used, bins.frequency
     m0 = np.interp(test.frequency, frequency[used], before[used])
     m1 = np.interp(test.frequency, frequency[used], after[used])
-    each = -0.5 * (np.log(m1 / m0) + rest.amplitude**2 / m1 - test.amplitude**2 / m0)
-    sums = np.array([each[i::_PARTS].sum() for i in range(_PARTS)])
-    return float(np.std(sums, ddof=1) * np.sqrt(_PARTS))
+    course = test.amplitude - rest.amplitude
+    # Half of z^2 (m1/m0 - 1), and of the product of the course with the noise.
+    return float(np.sqrt(np.sum((m1 / m0 - 1) ** 2 / 2 + course**2 * m1 / m0**2)))

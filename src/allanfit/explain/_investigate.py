@@ -23,12 +23,19 @@ from ._structure import Data
 from ._whiten import level, whitened
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
-ALARM = 0.0012
+ALARM = 0.0008
 _MOST_ROUNDS = 10
 _MOST_LINES = 12
+# Lines are looked for in as many places as there are ordinates, at a chance of their own.
+_LINE_ALARM = 4.0
+_LINE_FIRST = 1.0
+# A peak of as few ordinates is a line until shown to be broad.
+_LINE_WIDTH = 4
+_NARROW = ("resonance", "drifting_line")
 # Loud for less of the record, and by more, is a knock and no change of the noise.
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 _MARGIN = 2
+_MOST_STEPS = 8
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 
@@ -160,12 +167,12 @@ def _about_format(state: Investigation) -> None:
     if made.coarse:
         state.findings = [f for f in state.findings if f.name != "output_rounding"]
         state.findings.append(Finding("output_rounding", -1e3, 0.0))
-        state.foreign += made.width**2 / 12
     if made.rails:
         state.findings = [f for f in state.findings if f.name != "saturation"]
         state.findings.append(Finding("saturation", -1e3, 0.0))
-    if made.repeat is not None or made.coarse:
-        _refit(state)
+    # Rounding is white noise behind any filter, however little.
+    state.foreign += made.width**2 / 12
+    _refit(state)
 
 
 def _refit(state: Investigation) -> None:
@@ -213,6 +220,8 @@ def _about_spread(state: Investigation, seed: int) -> bool:
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
     if loud and not state.knocks:
         share = changing.loud.mean()
+        if share < _KNOCK_SHARE and _steps_instead(state, piece, changing):
+            return _about_spread(state, seed)
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
             pulled = changing.window * _MARGIN
             state.knocks = [
@@ -270,6 +279,39 @@ def _about_spread(state: Investigation, seed: int) -> bool:
         state.foreign += _excise(state, piece, even, spiky) / height**2
     if loud or state.contamination is not None:
         _refit(state)
+    return False
+
+
+def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
+    """Whether the mean jumps where it is loud: whitening makes a pulse of a step.
+
+    Takes the steps if so; else leaves everything as it was.
+    """
+    found = runs(changing.loud)
+    if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
+        return False
+    before = (list(state.courses), list(state.moved), state.sized, state.model, state.data)
+    taken: list[Finding] = []
+    for a, b in found:
+        middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
+        cost = state.cost
+        course = _means.polish(
+            _means.step(round(middle), state.values.size),
+            lambda at: _means.step(round(at), state.values.size),
+            middle,
+            half / 2,
+            lambda tried: -_with(state, tried).cost,
+        )
+        gain = cost - _with(state, course).cost
+        if _means.log_chance("step", gain) > 2 * np.log(state.alarm):
+            break
+        finding = Finding("step", _means.log_chance("step", gain), gain)
+        _add_course(state, course, finding)
+        taken.append(finding)
+    else:
+        return True
+    state.courses, state.moved, state.sized, state.model, state.data = before
+    state.findings = [each for each in state.findings if each not in taken]
     return False
 
 
@@ -373,18 +415,41 @@ def _round(state: Investigation, drivers: dict[str, Any]) -> bool:
     if not alarms:
         return False
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
-    lines = [option for option in alarms if option.name == "line"]
-    if not lines and len(state.peaks) > state.model.kinds.added.count("resonance") + (
-        state.model.kinds.added.count("drifting_line")
-    ):
-        lines = [option for option in alarms if option.name in ("resonance", "drifting_line")]
-    chosen = max(lines or alarms, key=lambda option: option.score)
+    chosen, among = _choice(state, alarms)
     rivals: dict[str, float] = {}
     for option in options:
-        if option.name != "line":
+        if among is None or option.name in among:
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
+
+
+def _choice(
+    state: Investigation, alarms: list["_Option"]
+) -> tuple["_Option", tuple[str, ...] | None]:
+    """What to take first, and among which rivals; None for all.
+
+    A line comes first, since nothing smooth explains one; but not while the level on which it
+    stands is grossly wrong. Then a filter, which bends that level; then what is narrow.
+    """
+    lines = [option for option in alarms if option.name in ("line", "band")]
+    others = [option for option in alarms if option not in lines]
+    best = max(others, key=lambda option: option.score, default=None)
+    narrow = [option for option in lines if option.name == "line"]
+    if narrow and (best is None or narrow[0].log_p < _LINE_FIRST * best.log_p):
+        return narrow[0], ()
+    if best is not None and best.name == "low_pass":
+        return best, None
+    if lines and (best is None or best.name in _NARROW):
+        return lines[0], ()
+    kinds = state.model.kinds.added
+    if len(state.peaks) > sum(kinds.count(name) for name in _NARROW):
+        sharp = [option for option in others if option.name in _NARROW]
+        if sharp:
+            return max(sharp, key=lambda option: option.score), _NARROW
+    if best is None:
+        return lines[0], ()
+    return best, None
 
 
 def _line_options(state: Investigation) -> list[_Option]:
@@ -394,7 +459,7 @@ def _line_options(state: Investigation) -> list[_Option]:
     white = _white(state, piece, ())
     peaks = [
         peak
-        for peak in scan(white, state.alarm)
+        for peak in scan(white, _LINE_ALARM * state.alarm)
         if not any(
             abs(peak.frequency - old.frequency) < 3 * (old.half_width + peak.half_width)
             for old in state.peaks
@@ -419,7 +484,10 @@ def _line_options(state: Investigation) -> list[_Option]:
     def take(rivals: dict[str, float]) -> None:
         _take_line(state, peak, sine, white)
 
-    return [_Option("line", peak.log_p, sine.gain, sine.gain, take)]
+    name = "line" if peak.half_width * white.size <= _LINE_WIDTH / 2 else "band"
+    # On the scale of the other options' chances, which have an alarm of their own.
+    log_p = peak.log_p - np.log(_LINE_ALARM)
+    return [_Option(name, log_p, sine.gain, sine.gain, take)]
 
 
 def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..identify._posterior import _ABSENCE
-from ._climb import parts
+from ._climb import log_slopes, parts
 from ._search import Model
 from ._structure import EACH, FLOOR, TERMS, Data, active
 
@@ -20,6 +20,7 @@ _WALKERS = 32
 _BURN_IN = 500
 _STEPS = 700
 _THIN = 5
+_LOST = 12.0
 _SMALLEST = float(np.log(0.05**2))
 _MOVES = [(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)]
 
@@ -87,8 +88,11 @@ def sample_structure(model: Model, data: Data, seed: int) -> Draws:
     # emcee draws from NumPy's global state unless it is given its own.
     sampler.random_state = np.random.RandomState(seed).get_state()
     sampler.run_mcmc(start, _BURN_IN + _STEPS, skip_initial_state_check=True)
-    chain = sampler.get_chain(discard=_BURN_IN, thin=_THIN, flat=True)
-    theta = unpacked(np.asarray(chain))
+    chain = np.asarray(sampler.get_chain(discard=_BURN_IN, thin=_THIN))
+    height = np.median(np.asarray(sampler.get_log_prob(discard=_BURN_IN, thin=_THIN)), axis=0)
+    # A walker that never left a side maximum says nothing of the posterior.
+    chain = chain[:, height > height.max() - _LOST - place.size]
+    theta = unpacked(chain.reshape(-1, place.size))
     power = np.where(terms, np.exp(theta[:, :TERMS]), 0.0)
     return Draws(power, theta)
 
@@ -111,5 +115,14 @@ def _starts(model, data, place, count, scale, deviation, rng) -> Float[np.ndarra
     power = np.exp(model.theta[place[:count]])
     scattered = np.abs(power + deviation * rng.standard_normal((walkers, count)))
     x = np.arcsinh(np.sqrt(scattered) / scale)
-    effects = model.theta[place[count:]] + 0.1 * rng.standard_normal((walkers, place.size - count))
+    effects = model.theta[place[count:]] + _scatter(model, data, place, rng, walkers)[:, count:]
     return np.concatenate([x, effects], axis=1)
+
+
+def _scatter(model, data, place, rng, walkers) -> Float[np.ndarray, "walkers dim"]:
+    """Steps about the best as wide as the information there allows, half of them."""
+    slope = log_slopes(model.theta[None], model.kinds, data)[0][:, place]
+    information = (slope * np.asarray(data.bins.shape)[:, None]).T @ slope
+    values, vectors = np.linalg.eigh(information)
+    width = 0.5 / np.sqrt(np.maximum(values, 4.0))
+    return (rng.standard_normal((walkers, place.size)) * width) @ vectors.T

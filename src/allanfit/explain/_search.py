@@ -1,5 +1,6 @@
 """Which effects a spectrum asks for: what each would gain, and whether chance would as well."""
 
+import itertools
 from functools import partial
 from typing import NamedTuple
 
@@ -12,6 +13,7 @@ from ._climb import climb, expected_density, rescale
 from ._structure import (
     ADDED,
     EACH,
+    FILTERS,
     TERMS,
     Data,
     Kinds,
@@ -206,23 +208,32 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
         for part in (max(seen, 0.3),) if name != "gauss_markov" else (0.3, max(seen, 0.3)):
             three[0] = np.log(part * mean[strongest] / unit[strongest])
             starts.append((name, kinds, np.concatenate([model.theta, three])))
+    if model.kinds.filtering and starts:
+        # What the filter had to bend for before may now be straight.
+        best_start = starts[-1][2]
+        for kind, cutoff in itertools.product(FILTERS, (0.15, 0.3, 0.45)):
+            filters = bounds(kind, float(data.samples))
+            kinds = kinds._replace(shaping=kind)
+            again = best_start.copy()
+            again[TERMS + 1 : TERMS + 3] = free(cutoff, *filters[0]), free(1.2, *filters[1])
+            starts.append((name, kinds, again))
     return starts
 
 
 def _filtered(model: Model, data: Data) -> list[Start]:
-    limits = bounds("low_pass", float(data.samples))
     density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
     starts = []
-    for cutoff in (0.02, 0.08, 0.25, 0.6):
+    for kind, cutoff in itertools.product(FILTERS, (0.02, 0.08, 0.25, 0.48)):
+        limits = bounds(kind, float(data.samples))
         for order in (1.0, 2.5):
             three = [0.0, free(cutoff, *limits[0]), free(order, *limits[1])]
-            name, kinds, theta = _shaping_start("low_pass", three, model)
+            _, kinds, theta = _shaping_start(kind, three, model)
             # White noise as it is below the cut-off, and little of what rises beyond it.
             below = used & (frequency > cutoff / 8) & (frequency < cutoff / 2)
             if below.any():
                 theta[1] = np.log(np.median(density[below]) / 2)
             theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
-            starts.append((name, kinds, theta))
+            starts.append(("low_pass", kinds, theta))
     return starts
 
 
@@ -234,7 +245,7 @@ def _shaping_start(name: str, three: list[float], model: Model) -> Start:
 def without(model: Model, name: str) -> Model:
     """The structure less the last effect of this name, where its other parameters are."""
     kinds, theta = model.kinds, model.theta
-    if kinds.shaping == name:
+    if kinds.shaping is not None and kinds.names[0] == name:
         kept = np.concatenate([theta[:TERMS], theta[TERMS + EACH :]])
         return Model(kinds._replace(shaping=None), kept, model.deviance)
     place = len(kinds.added) - 1 - kinds.added[::-1].index(name)

@@ -31,7 +31,8 @@ from ._ordinates import _NODES, Bins, averaged
 
 #: Noises that a structure may add, and what may shape it, by name.
 ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, DriftingLine)}
-SHAPING = {effect.name: effect for effect in (LowPass, Bump)}
+#: In front of the converter, so that what passes folds; or behind it, in the sensor's processor.
+FILTERS = ("low_pass", "digital_low_pass")
 TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
@@ -43,7 +44,7 @@ Theta = Float[Array, " parameters"] | Float[np.ndarray, " parameters"]
 class Kinds(NamedTuple):
     """What a structure holds; one program is compiled for each."""
 
-    #: "low_pass", "bump" or none.
+    #: "low_pass", "digital_low_pass", "bump" or none.
     shaping: str | None = None
     #: Names of the added noises, in the order of their parameters.
     added: tuple[str, ...] = ()
@@ -60,8 +61,14 @@ class Kinds(NamedTuple):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All effects, what shapes first."""
-        return (() if self.shaping is None else (self.shaping,)) + self.added
+        """All effects by the names of the catalogue, what shapes first."""
+        shaping = "low_pass" if self.filtering else self.shaping
+        return (() if shaping is None else (shaping,)) + self.added
+
+    @property
+    def filtering(self) -> bool:
+        """Whether it holds a low-pass filter of either kind."""
+        return self.shaping in FILTERS
 
 
 class Data(NamedTuple):
@@ -87,6 +94,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "power_law": ((0.15, 2.95), (0.5, 2.0)),
         "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.05)),
         "low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
     }[name]
 
@@ -139,6 +147,13 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
     if shaping == "low_pass":
         sieve = LowPass(*shape_of("low_pass", three, samples))
         return sieve.gain(middle, 1.0), sieve.passed(middle, 1.0), jnp.ones_like(middle)
+    if shaping == "digital_low_pass":
+        # Butterworth by the bilinear transform, at the output rate: nothing folds.
+        cutoff, order = shape_of(shaping, three, samples)
+        # The zero at the Nyquist frequency is filled by whatever noise comes after the filter.
+        ratio = jnp.tan(jnp.pi * jnp.minimum(middle, 0.49)) / jnp.tan(jnp.pi * cutoff)
+        passed = jax.nn.sigmoid(-2 * order * jnp.log(ratio))
+        return passed, passed, jnp.ones_like(middle)
     if shaping == "bump":
         bump = Bump(jnp.tanh(three[0] / 6) * 6, *shape_of("bump", three, samples))
         return jnp.ones_like(middle), jnp.ones_like(middle), bump.gain(middle, 1.0)
