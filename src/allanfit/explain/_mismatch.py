@@ -104,7 +104,11 @@ def _band(state: Investigation, effect: Effect, dt: float) -> tuple[float, float
     before = _search.mean_density(less, state.data)
     bins = state.data.bins
     evidence = np.where(bins.used, np.asarray(bins.shape) * (after / before - 1) ** 2, 0.0)
-    order = np.argsort(-evidence)
-    enough = np.searchsorted(np.cumsum(evidence[order]), _INSIDE * evidence.sum()) + 1
-    chosen = np.sort(bins.frequency[order[:enough]])
-    return float(chosen[0]) / dt, float(chosen[-1]) / dt
+    frequency, evidence = bins.frequency[bins.used], evidence[bins.used]
+    total = np.concatenate([[0.0], np.cumsum(evidence)])
+    # For each first bin the last that is needed; the shortest band in the logarithm.
+    last = np.searchsorted(total, total[:-1] + _INSIDE * total[-1])
+    possible = np.flatnonzero(last <= evidence.size)
+    width = np.log(frequency[last[possible] - 1] / frequency[possible])
+    first = int(possible[np.argmin(width)])
+    return float(frequency[first]) / dt, float(frequency[last[first] - 1]) / dt

@@ -99,7 +99,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     }[name]
 
 
-def between(u: Any, low: Any, high: Any) -> Float[Array, ""]:
+def between(u: Any, low: Any, high: Any) -> Float[Array, "..."]:
     """A number between two positive ones, from any real one: logistic in the logarithm."""
     return jnp.exp(jnp.log(low) + (jnp.log(high) - jnp.log(low)) * jax.nn.sigmoid(u))
 
@@ -110,7 +110,9 @@ def free(value: float, low: float, high: float) -> float:
     return float(np.log(part / (1 - part)))
 
 
-def shape_of(name: str, three: Any, samples: Any) -> tuple[Float[Array, ""], Float[Array, ""]]:
+def shape_of(
+    name: str, three: Any, samples: Any
+) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
     """The two shape parameters of an effect from its three free ones."""
     first, second = bounds(name, samples)
     return between(three[1], *first), between(three[2], *second)

@@ -1,0 +1,120 @@
+"""From a recording to its explanation, on records drawn here by recipes of their own."""
+
+import json
+
+import numpy as np
+import pytest
+
+import allanfit
+from allanfit.cli import main
+from allanfit.explain import explain_recording
+
+RATE, SAMPLES = 50.0, 60_000
+
+
+def written(folder, values, name="gyro.npz", **more):
+    path = folder / name
+    np.savez(path, gyro_x=values, rate_hz=RATE, units='{"gyro_x": "deg/s"}', **more)
+    return path
+
+
+def noise(seed: int) -> np.ndarray:
+    """White noise of N = 0.005 and a random walk of K = 2e-4, in deg/s."""
+    rng = np.random.default_rng(seed)
+    walk = np.cumsum(rng.standard_normal(SAMPLES)) * 2e-4 * RATE**-0.5
+    return 0.005 * RATE**0.5 * rng.standard_normal(SAMPLES) + walk
+
+
+def explained(folder, values, **options):
+    recording = allanfit.load(written(folder, values))
+    return explain_recording(recording, **options).to_dict()["channels"][0]
+
+
+@pytest.fixture(scope="module")
+def wandering(tmp_path_factory):
+    """A Gauss-Markov process of 0.01 deg/s and 4 s beside the noise, explained on the way out."""
+    folder = tmp_path_factory.mktemp("explain")
+    rng = np.random.default_rng(7)
+    decay = np.exp(-1 / (4 * RATE))
+    state, drive = np.zeros(SAMPLES), rng.standard_normal(SAMPLES)
+    for k in range(1, SAMPLES):
+        state[k] = decay * state[k - 1] + np.sqrt(1 - decay**2) * 0.01 * drive[k]
+    path = written(folder, noise(8) + state)
+    page, document = folder / "page.html", folder / "explain.json"
+    assert main(["explain", str(path), "--json", str(document), "--report", str(page)]) == 0
+    return document, page
+
+
+@pytest.mark.parametrize("seed", [11, 12])
+def test_nothing_is_claimed_where_nothing_is_left_out(tmp_path, seed):
+    """Nominal false-alarm rate 1 % a record; seeds fixed."""
+    channel = explained(tmp_path, noise(seed))
+    assert channel["verdict"] == "consistent"
+    assert channel["effects"] == channel["mismatch"] == []
+    assert channel["improvement"] is None
+    assert channel["coefficients_after"] == channel["coefficients_before"]
+
+
+def test_a_gauss_markov_process_is_named_modelled_and_proven(wandering):
+    channel = json.loads(wandering[0].read_text())["channels"][0]
+    assert channel["verdict"] == "explained"
+    (effect,) = channel["effects"]
+    assert effect["name"] == "gauss_markov"
+    low, high = effect["parameters"]["sigma"]["intervals"]["0.95"]
+    assert low < 0.01 < high
+    low, high = effect["parameters"]["correlation_time"]["intervals"]["0.95"]
+    assert low < 4.0 < high
+    score = channel["improvement"]["held_out_log_score"]
+    assert score["difference"] > 2 * score["standard_error"] > 0
+    assert channel["improvement"]["p_value_before"] < 0.01
+    assert channel["improvement"]["p_value_after"] > 0.01
+    # The walk, which took the process for its own, is itself again.
+    low, high = channel["coefficients_after"]["K"]["intervals"]["0.95"]
+    assert low < 2e-4 < high
+    assert channel["coefficients_before"]["K"]["intervals"]["0.95"][0] > 2e-4
+    (mismatch,) = channel["mismatch"]
+    assert mismatch["low"] < 1 / (2 * np.pi * 4.0) < mismatch["high"]
+
+
+def test_the_page_tells_it(wandering):
+    page = wandering[1].read_text()
+    assert "Gauss-Markov" in page
+    assert "held out" in page
+
+
+def test_the_improved_model_simulates_what_it_found(wandering, tmp_path):
+    drawn = tmp_path / "drawn.npz"
+    arguments = ["simulate", str(wandering[0]), "--duration", "600", "--rate", str(RATE)]
+    assert main([*arguments, "--seed", "1", "--output", str(drawn)]) == 0
+    values = np.load(drawn)["gyro_x"]
+    # Means over 2 s: white noise leaves 0.0035, the process and the walk are what is more.
+    means = values[: values.size // 100 * 100].reshape(-1, 100).mean(axis=1)
+    assert np.std(np.diff(means)) > 1.5 * 0.005
+
+
+def test_steps_are_placed_and_not_taken_for_a_walk(tmp_path):
+    jump = np.where(np.arange(SAMPLES) >= 20_000, 0.02, 0.0)
+    channel = explained(tmp_path, noise(9) + jump)
+    (effect,) = channel["effects"]
+    assert effect["name"] == "step"
+    (time,) = effect["parameters"]["times"]["value"]
+    assert abs(time - 400.0) < 0.02 * SAMPLES / RATE
+    low, high = effect["parameters"]["amplitude"]["intervals"]["0.95"]
+    assert low < 0.02 < high
+
+
+def test_a_simulation_with_a_wrong_coefficient_is_told_from_one_without_physics(tmp_path):
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text("unit: deg/s\nN: 0.004\nK: 2.0e-4\n")
+    channel = explained(tmp_path, noise(13), simulation=wrong)
+    first = channel["mismatch"][0]
+    assert (first["cause"], first["coefficient"]) == ("coefficient", "N")
+    assert "too small" in first["sentence"]
+
+
+def test_a_simulation_of_other_channels_is_refused(tmp_path):
+    one = written(tmp_path, noise(14))
+    two = tmp_path / "two.npz"
+    np.savez(two, a=noise(15), b=noise(16), rate_hz=RATE)
+    with pytest.raises(ValueError, match=r"The simulation has channels a, b"):
+        explain_recording(allanfit.load(one), simulation=two)

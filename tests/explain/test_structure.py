@@ -1,0 +1,87 @@
+"""Structures: densities against simulated records, and whether starts reach the best."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from allanfit.explain._climb import climb, expected_density, log_slopes, rescale
+from allanfit.explain._ordinates import bin_edges, binned, ordinates
+from allanfit.explain._structure import Data, Kinds, bounds, expected, free
+from allanfit.physics import GaussMarkov, LowPass
+
+SAMPLES = 16_384
+
+
+def data_of(values: np.ndarray) -> Data:
+    spectrum = ordinates((values,), "point")
+    bins = binned(spectrum, bin_edges(spectrum.longest))
+    return Data(bins, float(values.size), 0.0, 1.0, np.ones(4, bool))
+
+
+def theta_of(name: str, size: float, first: float, second: float) -> np.ndarray:
+    limits = bounds(name, float(SAMPLES))
+    terms = np.log([1e-12, 1.0, 1e-12, 1e-12])
+    return np.concatenate(
+        [terms, [np.log(size), free(first, *limits[0]), free(second, *limits[1])]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("kinds", "theta"),
+    [
+        (Kinds(None, ("gauss_markov",)), theta_of("gauss_markov", 0.2, 90.0, 1.0)),
+        (Kinds(None, ("resonance",)), theta_of("resonance", 0.2, 0.11, 20.0)),
+        (Kinds(None, ("power_law",)), theta_of("power_law", 0.02, 1.4, 1.0)),
+        (Kinds(None, ("drifting_line",)), theta_of("drifting_line", 0.2, 0.2, 0.01)),
+        (Kinds("low_pass"), theta_of("low_pass", 1.0, 0.2, 2.0)),
+        (Kinds("digital_low_pass"), theta_of("digital_low_pass", 1.0, 0.2, 2.0)),
+        (Kinds("bump"), theta_of("bump", 2.0, 0.05, 0.3)),
+    ],
+)
+def test_slopes_are_the_derivatives_of_the_density(kinds, theta):
+    data = data_of(np.random.default_rng(0).standard_normal(SAMPLES))
+    slopes = log_slopes(theta[None], kinds, data)[0]
+    for place in range(theta.size):
+        step = np.zeros(theta.size)
+        step[place] = 1e-5
+        high = np.log(expected_density(theta + step, kinds, data))
+        low = np.log(expected_density(theta - step, kinds, data))
+        # Idle parameters have no slope, whatever the difference quotient says.
+        if np.any(slopes[:, place]):
+            np.testing.assert_allclose(slopes[:, place], (high - low) / 2e-5, atol=2e-6)
+    # The same density by the program that JAX differentiates.
+    traced = expected(jnp.asarray(theta), kinds, data)
+    np.testing.assert_allclose(expected_density(theta, kinds, data), traced, rtol=1e-9)
+
+
+def test_a_far_start_finds_a_gauss_markov_process():
+    """Sizes within 5 standard deviations of the draw, by the scatter of some 180 relaxations."""
+    rng = np.random.default_rng(1)
+    decay = np.exp(-1 / 90.0)
+    walk = np.zeros(SAMPLES)
+    for k in range(1, SAMPLES):
+        walk[k] = decay * walk[k - 1] + np.sqrt(1 - decay**2) * 0.45 * rng.standard_normal()
+    data = data_of(rng.standard_normal(SAMPLES) + walk)
+    kinds = Kinds(None, ("gauss_markov",))
+    start = theta_of("gauss_markov", 0.02, 10.0, 1.0)
+    reached, deviance = climb(start[None], kinds, data)
+    assert deviance[0] < 1.25 * data.bins.used.sum()
+    assert np.exp(reached[0, 4] / 2) == pytest.approx(0.45, rel=0.25)
+    held, value = rescale(reached[0], kinds, data)
+    assert value == pytest.approx(deviance[0], abs=1e-3)
+    np.testing.assert_allclose(held[4], reached[0, 4], atol=1e-2)
+
+
+def test_foreign_white_noise_is_taken_from_n():
+    rng = np.random.default_rng(2)
+    data = data_of(rng.standard_normal(SAMPLES))
+    start = np.log([1e-9, 1.0, 1e-9, 1e-9])[None]
+    alone, _ = climb(start, Kinds(), data)
+    shared, _ = climb(start, Kinds(), data._replace(foreign=2 * 0.25))
+    assert np.exp(alone[0, 1]) - np.exp(shared[0, 1]) == pytest.approx(0.25, rel=1e-3)
+
+
+def test_parts_of_the_catalogue_are_used():
+    one = jnp.ones(())
+    assert GaussMarkov(one, one).name in Kinds(None, ("gauss_markov",)).names
+    assert LowPass(one, one).name in Kinds("digital_low_pass").names

@@ -1,0 +1,96 @@
+"""Tests that do not look at the spectrum: each with a null that must stay silent, and a case."""
+
+import numpy as np
+import pytest
+
+from allanfit.explain._format import sample_format
+from allanfit.explain._lines import refine, scan
+from allanfit.explain._spread import contamination, modulation, runs, uneven
+from allanfit.explain._telegraph import two_levels
+
+SAMPLES = 40_000
+
+
+@pytest.fixture(scope="module")
+def white():
+    return np.random.default_rng(3).standard_normal(SAMPLES)
+
+
+def test_white_noise_is_normal_and_lasts(white):
+    """Nominal chance of a p-value below 0.001: 0.3 % over the three tests, at this seed fixed."""
+    assert contamination(white, 0).p_value > 1e-3
+    assert uneven(white)[0] > 1e-3
+    assert scan(white, 1e-3) == []
+
+
+def test_p_values_of_uneven_variance_are_honest():
+    """Of 200 records 5 % or fewer at 5 %; 20 or more would happen once in 2000 (binomial)."""
+    rng = np.random.default_rng(4)
+    low = sum(uneven(rng.standard_normal(8192))[0] < 0.05 for _ in range(200))
+    assert low < 20
+
+
+def test_spikes_are_counted_and_sized(white):
+    rng = np.random.default_rng(5)
+    spikes = (rng.random(SAMPLES) < 0.003) * 9.0 * rng.standard_normal(SAMPLES)
+    found = contamination(white + spikes, 0)
+    assert found.p_value < 1e-20
+    low, high = np.quantile(found.draws, [0.001, 0.999], axis=0)
+    assert low[0] < 0.003 < high[0]
+    assert low[1] < 9.0 < high[1]
+    assert found.sigma == pytest.approx(1.0, abs=0.02)
+
+
+def test_loud_times_are_found_within_a_window(white):
+    loud = np.ones(SAMPLES)
+    loud[10_000:16_000] = 1.5
+    found = modulation(white * loud, 0)
+    assert found.p_value < 1e-20
+    assert found.ratio == pytest.approx(1.5, abs=0.06)
+    ((start, stop),) = runs(found.loud)
+    assert abs(start - 10_000) <= 2 * found.window
+    assert abs(stop - 16_000) <= 2 * found.window
+
+
+def test_a_line_is_found_to_a_fraction_of_an_ordinate(white):
+    frequency, amplitude = 0.1234567, 0.05
+    line = amplitude * np.sin(2 * np.pi * frequency * np.arange(SAMPLES) + 0.3)
+    peak = scan(white + line, 1e-3)[0]
+    sine = refine(white + line, peak.frequency, 2.0)
+    assert abs(sine.frequency - frequency) < 5 * sine.frequency_deviation
+    assert abs(sine.amplitude - amplitude) < 5 * sine.amplitude_deviation
+    # A^2 T/(2 S) for the known frequency, S = 2: within 5 of its deviations 2 sqrt(gain).
+    assert abs(sine.gain - amplitude**2 * SAMPLES / 2) < 5 * 2 * np.sqrt(sine.gain)
+
+
+def test_held_rounded_and_clipped_samples_are_known(white):
+    held = np.repeat(white[: SAMPLES // 4], 4)
+    found = sample_format(held, ((0, held.size),))
+    assert found.repeat is not None
+    assert (found.repeat.samples, found.repeat.regular) == (4.0, True)
+    rounded = sample_format(np.round(white), ((0, SAMPLES),))
+    assert rounded.coarse
+    assert rounded.width == pytest.approx(1.0)
+    clipped = sample_format(np.clip(white, -2, 2), ((0, SAMPLES),))
+    assert set(clipped.rails) == {-2.0, 2.0}
+    healthy = sample_format(white, ((0, SAMPLES),))
+    assert (healthy.repeat, healthy.coarse, healthy.rails) == (None, False, ())
+
+
+def test_two_levels_are_told_from_a_normal_process():
+    rng = np.random.default_rng(6)
+    count, corner = 4000, 60
+    order = np.arange(1, count + 1)
+    signal = 50.0 / (1 + (order / corner) ** 2)
+    total = signal + 1.0
+    normal = np.sqrt(total) * rng.standard_normal(count)
+    assert two_levels(normal, signal, total, corner, 0)[1] > 0.003
+    # A telegraph with the same corner: its cosine amplitudes by transform of the levels.
+    from scipy.fft import dct
+
+    flips = rng.random(count) < np.pi * corner / (2 * count)
+    levels = np.where(np.cumsum(flips) % 2, 1.0, -1.0)
+    amplitude = dct(levels, norm="ortho")[1:]
+    scale = np.sqrt(np.mean(signal[:corner]) / np.mean(amplitude[:corner] ** 2))
+    seen = scale * amplitude + rng.standard_normal(count - 1)
+    assert two_levels(seen, signal[:-1], total[:-1], corner, 0)[1] < 0.003
