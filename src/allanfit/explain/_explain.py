@@ -17,6 +17,7 @@ from ..identify._goodness import goodness_of_fit
 from ..identify._recording_fit import _coefficients
 from ..physics import EFFECTS, Sampling, parameter_unit
 from ..recording import Channel, Recording
+from ..recording._checks import usable
 from ..temperature import beside
 from . import _means
 from ._after import fit_after
@@ -80,7 +81,7 @@ class ChannelExplanation:
             "samples": used,
             "duration_s": used / float(fit.rate_hz),
             "sampling": fit.design.sampling,
-            "mean": float(np.mean(self.state.values)) / factor,
+            "mean": float(np.mean(usable(channel.samples, channel.stretches))) / factor,
             "verdict": self.verdict,
             "false_alarm_probability": self.false_alarm_probability,
             "mismatch": found
@@ -208,8 +209,7 @@ def explain_recording(
     - `simulation`: a recording made by the user's simulator, or a file of one or of coefficients;
       mismatches are then those between recording and simulation.
     - `sampling`, `seed`: as in `allanfit.fit`.
-    - `posterior`: draw parameters and coefficients from their posterior; without, intervals are
-      those of fewer draws.
+    - `posterior`: without it the chains are a quarter as long, and intervals rough.
     - `announce`, `done`: called with each channel's name before its turn, and after it.
 
     **Raises:** `ValueError` for a simulation that cannot be compared.
@@ -221,11 +221,16 @@ def explain_recording(
         announce(channel.name)
         found.append(
             _explain_channel(
-                channel, recording, compared_with.get(channel.name), sampling, alarm, seed
+                channel,
+                recording,
+                compared_with.get(channel.name),
+                sampling,
+                alarm,
+                posterior,
+                seed,
             )
         )
         done()
-    del posterior
     return Explanation(recording, tuple(found))
 
 
@@ -238,6 +243,7 @@ def _explain_channel(
     reference: Reference | None,
     sampling: Sampling,
     alarm: float,
+    posterior: bool,
     seed: int,
 ) -> ChannelExplanation:
     fit = fit_series(
@@ -266,7 +272,7 @@ def _explain_channel(
     )
     if not state.findings and state.unexplained is None:
         return ChannelExplanation(channel, fit, None, state, (), None, None, reference)
-    draws = sample_structure(state.model, state.data, seed)
+    draws = sample_structure(state.model, state.data, seed, quick=not posterior)
     effects = tuple(effects_of(state, draws, dt, seed))
     after = fit_after(fit, state, draws, seed)
     variance = _means.ordinate_variance(state.left, state.model, state.data)

@@ -18,8 +18,10 @@ _MOST = 24
 _NARROWER = 3.0
 # With fewer periods in the record a line is a course in time; see `_means`.
 _SLOWEST = 100
-# A record padded to twice its length has 1.5 times as many independent peaks.
-_PADDED_TRIALS = 1.5
+# Independent places for each ordinate, of one line between ordinates and of windows of all widths;
+# the chances that follow hold on simulated white noise.
+_PADDED_TRIALS = 3.0
+_WINDOW_TRIALS = 30.0
 
 
 class Peak(NamedTuple):
@@ -76,7 +78,7 @@ def _strongest(
         inside = np.where(width < _BROAD * start, inside, 0.0)
         at = int(np.argmax(inside))
         # Many widths are looked at, and the narrowest that says as much is best.
-        log_p = _log_tail(float(inside[at]), width) + float(np.log(8 * start.size))
+        log_p = _log_tail(float(inside[at]), width) + float(np.log(_WINDOW_TRIALS * start.size))
         if log_p < best.log_p - _NARROWER:
             middle = (start[at] + (width - 1) / 2) / samples
             best = Peak(float(middle), width / (2 * samples), float(inside[at] / width), log_p)

@@ -29,7 +29,7 @@ _ROUNDS = 3
 TRIALS = {
     "step": (400.0, 1),
     "warm_up": (10.0, 1),
-    "sinusoid": (120.0, 2),
+    "sinusoid": (600.0, 2),
     "temperature": (6.0, 2),
     "vibration_rectification": (2.0, 1),
 }

@@ -34,8 +34,11 @@ class Draws(NamedTuple):
     theta: Float[np.ndarray, "draws parameters"]
 
 
-def sample_structure(model: Model, data: Data, seed: int) -> Draws:
-    """Draw the coefficients and the parameters of all effects of a structure."""
+def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False) -> Draws:
+    """Draw the coefficients and the parameters of all effects of a structure.
+
+    `quick` is a quarter of the work, for rough intervals.
+    """
     kinds, best = model.kinds, model.theta
     terms = np.asarray(data.terms)
     effects = active(kinds, terms)[TERMS:]
@@ -87,9 +90,10 @@ def sample_structure(model: Model, data: Data, seed: int) -> Draws:
     )
     # emcee draws from NumPy's global state unless it is given its own.
     sampler.random_state = np.random.RandomState(seed).get_state()
-    sampler.run_mcmc(start, _BURN_IN + _STEPS, skip_initial_state_check=True)
-    chain = np.asarray(sampler.get_chain(discard=_BURN_IN, thin=_THIN))
-    height = np.median(np.asarray(sampler.get_log_prob(discard=_BURN_IN, thin=_THIN)), axis=0)
+    burn_in, steps = (part // (4 if quick else 1) for part in (_BURN_IN, _STEPS))
+    sampler.run_mcmc(start, burn_in + steps, skip_initial_state_check=True)
+    chain = np.asarray(sampler.get_chain(discard=burn_in, thin=_THIN))
+    height = np.median(np.asarray(sampler.get_log_prob(discard=burn_in, thin=_THIN)), axis=0)
     # A walker that never left a side maximum says nothing of the posterior.
     chain = chain[:, height > height.max() - _LOST - place.size]
     theta = unpacked(chain.reshape(-1, place.size))

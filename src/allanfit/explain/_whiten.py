@@ -16,6 +16,9 @@ _BINS_PER_DECADE = 20
 _FEWEST = 24
 # The median of a chi-square with one degree of freedom over its mean.
 _MEDIAN = 0.45494
+# The relative standard deviation of a median of n of them, times sqrt(n).
+_SCATTER = 2.33
+_CLEAR = 3.5
 
 
 def level(
@@ -31,7 +34,10 @@ def level(
     for start, stop in zip(starts, stops, strict=True):
         if stop - start >= _FEWEST:
             at.append(order[(start + stop) // 2])
-            values.append(np.log(np.median(ratio[start:stop]) / _MEDIAN))
+            found = np.log(np.median(ratio[start:stop]) / _MEDIAN)
+            # What the median's own scatter explains is no reason to bend the level.
+            clear = abs(found) > _CLEAR * _SCATTER / np.sqrt(stop - start)
+            values.append(found if clear else 0.0)
     if not at:
         return mean
     return mean * np.exp(np.interp(order, at, values))
