@@ -25,11 +25,12 @@ _SHORTLIST = 3
 # Chance of a scan's maximum below which a course is fitted at all.
 _WORTH = 0.3
 _ROUNDS = 3
-#: Independent places a course is looked for in, and its parameters; see `_search.TRIALS`.
+#: Independent places a course is looked for in, and its parameters; see `_search.TRIALS`. The noise
+#: that is fitted again beside a course makes chance gains larger than chi-square ones; so more.
 TRIALS = {
-    "step": (400.0, 1),
-    "warm_up": (10.0, 1),
-    "sinusoid": (600.0, 2),
+    "step": (3000.0, 1),
+    "warm_up": (25.0, 1),
+    "sinusoid": (2000.0, 2),
     "temperature": (6.0, 2),
     "vibration_rectification": (2.0, 1),
 }

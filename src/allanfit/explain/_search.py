@@ -31,8 +31,8 @@ TRIALS = {
     "gauss_markov": (3.0, 2),
     "resonance": (12.0, 3),
     "power_law": (1.0, 2),
-    "low_pass": (1.5, 2),
-    "drifting_line": (1.0, 3),
+    "low_pass": (4.0, 2),
+    "drifting_line": (15.0, 3),
     "bump": (20.0, 3),
 }
 # Twice the log-likelihood that a parameter has to pay for in the comparison of rivals.

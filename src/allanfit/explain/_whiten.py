@@ -13,12 +13,12 @@ from ._ordinates import Ordinates
 # The lowest modes hold ramps and what a few degrees of freedom say of drift.
 _DROPPED = 6
 _BINS_PER_DECADE = 20
-_FEWEST = 24
+_FEWEST = 64
 # The median of a chi-square with one degree of freedom over its mean.
 _MEDIAN = 0.45494
 # The relative standard deviation of a median of n of them, times sqrt(n).
 _SCATTER = 2.33
-_CLEAR = 3.5
+_CLEAR = 5.0
 
 
 def level(
