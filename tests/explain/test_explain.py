@@ -9,7 +9,7 @@ import allanfit
 from allanfit.cli import main
 from allanfit.explain import explain_recording
 
-RATE, SAMPLES = 50.0, 60_000
+RATE, SAMPLES = 50.0, 30_000
 
 
 def written(folder, values, name="gyro.npz", **more):
@@ -32,13 +32,13 @@ def explained(folder, values, **options):
 
 @pytest.fixture(scope="module")
 def wandering(tmp_path_factory):
-    """A Gauss-Markov process of 0.01 deg/s and 4 s beside the noise, explained on the way out."""
+    """A Gauss-Markov process of 0.014 deg/s and 4 s beside the noise, explained on the way out."""
     folder = tmp_path_factory.mktemp("explain")
     rng = np.random.default_rng(7)
     decay = np.exp(-1 / (4 * RATE))
     state, drive = np.zeros(SAMPLES), rng.standard_normal(SAMPLES)
     for k in range(1, SAMPLES):
-        state[k] = decay * state[k - 1] + np.sqrt(1 - decay**2) * 0.01 * drive[k]
+        state[k] = decay * state[k - 1] + np.sqrt(1 - decay**2) * 0.014 * drive[k]
     path = written(folder, noise(8) + state)
     page, document = folder / "page.html", folder / "explain.json"
     assert main(["explain", str(path), "--json", str(document), "--report", str(page)]) == 0
@@ -61,7 +61,7 @@ def test_a_gauss_markov_process_is_named_modelled_and_proven(wandering):
     (effect,) = channel["effects"]
     assert effect["name"] == "gauss_markov"
     low, high = effect["parameters"]["sigma"]["intervals"]["0.95"]
-    assert low < 0.01 < high
+    assert low < 0.014 < high
     low, high = effect["parameters"]["correlation_time"]["intervals"]["0.95"]
     assert low < 4.0 < high
     score = channel["improvement"]["held_out_log_score"]
@@ -93,14 +93,14 @@ def test_the_improved_model_simulates_what_it_found(wandering, tmp_path):
 
 
 def test_steps_are_placed_and_not_taken_for_a_walk(tmp_path):
-    jump = np.where(np.arange(SAMPLES) >= 20_000, 0.02, 0.0)
+    jump = np.where(np.arange(SAMPLES) >= 10_000, 0.03, 0.0)
     channel = explained(tmp_path, noise(9) + jump)
     (effect,) = channel["effects"]
     assert effect["name"] == "step"
     (time,) = effect["parameters"]["times"]["value"]
-    assert abs(time - 400.0) < 0.02 * SAMPLES / RATE
+    assert abs(time - 200.0) < 0.02 * SAMPLES / RATE
     low, high = effect["parameters"]["amplitude"]["intervals"]["0.95"]
-    assert low < 0.02 < high
+    assert low < 0.03 < high
 
 
 def test_a_simulation_with_a_wrong_coefficient_is_told_from_one_without_physics(tmp_path):
