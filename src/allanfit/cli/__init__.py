@@ -17,7 +17,7 @@ try:
     import typer
     from platformdirs import user_cache_path
 
-    from ._progress import progress_bar
+    from ._progress import channel_by_channel, progress_bar
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
@@ -73,15 +73,7 @@ def fit(
     """
     refuse_missing_folders(json, report)
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
-    with progress_bar() as progress:
-        task = progress.add_task("reading", total=len(found.channels))
-
-        def announce(name: str) -> None:
-            progress.update(task, description=f"fitting {name}")
-
-        def done() -> None:
-            progress.advance(task)
-
+    with channel_by_channel("fitting", len(found.channels)) as (announce, done):
         result = fit_recording(
             found,
             posterior=posterior,

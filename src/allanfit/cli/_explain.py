@@ -9,7 +9,7 @@ import typer
 from ..recording import load
 from ..report import format_explanation, write_explanation, write_json
 from ._options import Channels, Json, Page, Rate, Sampling, Seed, Unit, refuse_missing_folders
-from ._progress import progress_bar
+from ._progress import channel_by_channel
 
 
 def explain(
@@ -43,15 +43,7 @@ def explain(
     if simulation is not None and not simulation.is_file():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
-    with progress_bar() as progress:
-        task = progress.add_task("reading", total=len(found.channels))
-
-        def announce(name: str) -> None:
-            progress.update(task, description=f"explaining {name}")
-
-        def done() -> None:
-            progress.advance(task)
-
+    with channel_by_channel("explaining", len(found.channels)) as (announce, done):
         result = explain_recording(
             found,
             simulation=simulation,

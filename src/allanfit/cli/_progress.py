@@ -1,5 +1,8 @@
 """The progress bar of the commands that take a while."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -16,3 +19,20 @@ def progress_bar() -> Progress:
         transient=True,
         disable=not console.is_terminal,
     )
+
+
+@contextmanager
+def channel_by_channel(
+    doing: str, channels: int
+) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
+    """What to call with each channel's name before its turn, and after it."""
+    with progress_bar() as progress:
+        task = progress.add_task("reading", total=channels)
+
+        def announce(name: str) -> None:
+            progress.update(task, description=f"{doing} {name}")
+
+        def done() -> None:
+            progress.advance(task)
+
+        yield announce, done

@@ -10,11 +10,13 @@ from scipy.stats import norm
 
 from ..curves import unit_scale
 from ..curves._design import RAMP_MODES
+from ..curves._spectrum import ramp_coefficients
 from ..identify import Fit
 from ..identify._ramp import RampData, draw_ramps
-from . import _means, _search
-from ._investigate import Investigation
+from ..recording._checks import usable
+from . import _search
 from ._posterior import Draws
+from ._state import Investigation
 
 
 def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
@@ -25,7 +27,7 @@ def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
     best = np.where(terms, np.exp(state.model.theta[:4]), 0.0)
     power = draws.power.copy()
     _unclip(state, power, best)
-    ramps, chance = _ramps(fit, state, draws, seed)
+    ramps, chance = _ramps(state, draws, seed)
     rises = np.array([_rise(state, k) if terms[k] else 0.0 for k in range(4)])
     dtype = fit.estimate.draws.dtype
     joined = np.concatenate([np.sqrt(power), ramps[:, None]], axis=1) * scale
@@ -53,24 +55,23 @@ def _rise(state: Investigation, k: int) -> float:
 
 
 def _ramps(
-    fit: Fit, state: Investigation, draws: Draws, seed: int
+    state: Investigation, draws: Draws, seed: int
 ) -> tuple[Float[np.ndarray, " draws"], float]:
     """A ramp for each draw of the noise, and the chance of none, with the effects as noise too."""
     odd, ramp, variance = [], [], []
-    total = _means.ordinate_variance(state.left, state.model, state.data)
+    total, calm = state.variance, state.calm
     frequency = state.left.frequency
     own = state.left.expected @ np.where(state.data.terms, np.exp(state.model.theta[:4]), 0.0)
     # Filters hardly matter to the slowest modes; what is added does.
     extra = np.maximum(total - own, 0.0)
     for start, stop in state.pieces:
         length = stop - start
-        values = state.values[start:stop] - _drawn(state, start, stop)
+        values = calm[start:stop]
         coefficients = dct(values - values.mean(), norm="ortho")[1:]
         modes = min(RAMP_MODES, (length - 1) // 2)
         order = 1 + 2 * np.arange(modes)
         odd.append(coefficients[order - 1])
-        half = np.pi * order / (2 * length)
-        ramp.append(-np.sqrt(2 / length) * np.cos(half) / (2 * np.sin(half) ** 2))
+        ramp.append(ramp_coefficients(length)[order - 1])
         at = order / (2 * length)
         columns = [np.interp(at, frequency, column) for column in state.left.expected.T]
         # Below the first ordinate a random walk goes on as a power law.
@@ -88,13 +89,6 @@ def _ramps(
     return np.asarray(ramps), float(chance)
 
 
-def _drawn(state: Investigation, start: int, stop: int) -> Float[np.ndarray, " samples"] | float:
-    """What the courses add to the samples of a stretch."""
-    if state.sized is None:
-        return 0.0
-    return np.column_stack([c.template[start:stop] for c in state.courses]) @ state.sized.sizes
-
-
 def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best) -> None:
     """Undo what rails do: they cut the spread of fast noise, and pass part of what is slow.
 
@@ -104,7 +98,7 @@ def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best)
     rails = state.format.rails
     if not rails:
         return
-    used = np.concatenate([state.values[start:stop] for start, stop in state.pieces])
+    used = usable(state.values, state.pieces)
     middle, limit = float(np.median(used)), float(np.max(np.abs(rails)))
     reach = abs(limit - middle) if len(rails) == 1 else float(np.ptp(rails)) / 2
     sides = len(rails)

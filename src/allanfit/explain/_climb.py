@@ -82,7 +82,7 @@ def log_slopes(
 
 def parts(theta: Starts, kinds: Kinds, data: Data):
     """Columns of the terms, the bump, and what each added noise puts into each bin."""
-    folded, passed, bump = _shape(theta, kinds, data, slopes=False)[0]
+    folded, passed, bump = _shape(theta, kinds, data)
     held = holding(data)
     slow = passed * held / data.repeat
     shape = np.stack([np.ones_like(folded), folded * held, slow, slow], axis=2)
@@ -95,18 +95,14 @@ def parts(theta: Starts, kinds: Kinds, data: Data):
     return columns, bump, added
 
 
-def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
-    """Filter and bump of each start, and their derivatives."""
+def _shape(theta: Starts, kinds: Kinds, data: Data):
+    """Filter, aliases and all or not, and bump of each start."""
     if kinds.shaping is None:
         one = np.ones((len(theta), len(data.bins.nodes)))
-        return (one, one, one), None
+        return one, one, one
     three = theta[:, TERMS : TERMS + EACH]
-    values = _gains(kinds.shaping, three, data.bins.nodes, data.samples)
-    derivatives = None
-    if slopes:
-        found = _gain_slopes(kinds.shaping, three, data.bins.nodes, data.samples)
-        derivatives = tuple(np.asarray(each) for each in found)
-    return tuple(np.asarray(value) for value in values), derivatives
+    found = _gains(kinds.shaping, three, data.bins.nodes, data.samples)
+    return tuple(np.asarray(each) for each in found)
 
 
 def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
@@ -121,9 +117,9 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
         return total, None
     blocks = [noise]
     if kinds.shaping is not None:
-        _, found = _shape(theta, kinds, data, slopes=True)
-        assert found is not None
-        folded, passed, bumped = found
+        three = theta[:, TERMS : TERMS + EACH]
+        found = _gain_slopes(kinds.shaping, three, data.bins.nodes, data.samples)
+        folded, passed, bumped = (np.asarray(each) for each in found)
         plain = np.asarray(data.bins.expected) * power[:, None]
         held = holding(data)
         slope = folded * (plain[..., 1] * held * bump)[..., None]

@@ -3,14 +3,13 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from ..curves import allan_variance
 from ..identify import Fit
-from ..identify._curves_document import curves_document
-from . import _means
+from ..identify._curves_document import curves_document, listed
 from ._effects import Effect
-from ._investigate import Investigation
+from ._search import mean_density
+from ._state import Investigation
 from ._structure import effects_density
 
 _BLOCKS = 360
@@ -24,12 +23,12 @@ def explained_curves(
     """The `curves` of one channel in the explain JSON, in the unit that the user gave."""
     dt = 1 / float(fit.rate_hz)
     before = curves_document(fit, factor)
-    course = _course(state)
+    course = state.drawn
     allan, psd = before["allan"], before["psd"]
     density, added = _density(fit, state, course, dt)
     names = _labels(state, effects)
     psd_effects = {
-        name: _listed(each * dt / factor**2) for name, each in zip(names, added, strict=False)
+        name: listed(each * dt / factor**2) for name, each in zip(names, added, strict=False)
     }
     variance, parts = _allan_after(np.asarray(allan["tau_s"]) / dt, after, state, course, dt)
     return {
@@ -37,10 +36,10 @@ def explained_curves(
             "tau_s": allan["tau_s"],
             "deviation": allan["deviation"],
             "model_before": allan["model"],
-            "model_after": _listed(np.sqrt(variance) / factor),
+            "model_after": listed(np.sqrt(variance) / factor),
             "band_95": allan["band_95"],
             "effects": {
-                name: _listed(np.sqrt(np.maximum(part, 0)) / factor)
+                name: listed(np.sqrt(np.maximum(part, 0)) / factor)
                 for name, part in zip(names, parts, strict=False)
             },
         },
@@ -48,20 +47,13 @@ def explained_curves(
             "frequency_hz": psd["frequency_hz"],
             "density": psd["density"],
             "model_before": psd["model"],
-            "model_after": _listed(density * dt / factor**2),
+            "model_after": listed(density * dt / factor**2),
             "band_95": psd["band_95"],
             "effects": psd_effects,
         },
         "time": _time(state, course, effects, dt, factor),
         "lines": _lines(state, effects, dt, factor),
     }
-
-
-def _course(state: Investigation) -> Float[np.ndarray, " samples"] | None:
-    """What all courses in time add to each sample."""
-    if state.sized is None:
-        return None
-    return np.column_stack([c.template for c in state.courses]) @ state.sized.sizes
 
 
 def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
@@ -84,7 +76,7 @@ def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
 def _density(fit: Fit, state: Investigation, course, dt: float):
     """Mean of the better model over each bin of the fit's spectrum, and of each added noise."""
     spectrum, data = state.spectrum, state.data
-    total = _means.ordinate_variance(spectrum, state.model, data)
+    total = state.variance
     if state.sized is not None and course is not None:
         moved = spectrum.amplitude - state.sized.left.amplitude
         total = total + moved**2
@@ -110,7 +102,8 @@ def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
     data, used = state.data, state.data.bins.used
     frequency = data.bins.frequency[used]
     grid = np.geomspace(frequency[0] / 30, 0.5, _GRID)
-    mean = np.interp(np.log(grid), np.log(frequency), np.log(_model_mean(state)[used]))
+    mean = mean_density(state.model, data)[used]
+    mean = np.interp(np.log(grid), np.log(frequency), np.log(mean))
     density = np.exp(mean)
     # Below the record's lowest frequency flicker and random walk go on as they are.
     low = grid < frequency[0]
@@ -134,18 +127,12 @@ def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
     slope = float(after.coefficients["R"]) * dt if bool(after.resolved["R"]) else 0.0
     total = total + (slope * np.asarray(sizes)) ** 2 / 2
     if course is not None:
-        start, stop = max(state.pieces, key=lambda piece: piece[1] - piece[0])
+        start, stop = state.longest
         whole = np.unique(np.round(sizes).astype(int))
         whole = whole[2 * whole <= stop - start]
         drawn = np.asarray(allan_variance(course[start:stop], rate_hz=1.0, cluster_sizes=whole))
         total = total + np.interp(sizes, whole, drawn)
     return total, found[1:]
-
-
-def _model_mean(state: Investigation) -> np.ndarray:
-    from ._search import mean_density
-
-    return mean_density(state.model, state.data)
 
 
 def _time(state: Investigation, course, effects, dt: float, factor: float) -> dict[str, Any]:
@@ -165,12 +152,12 @@ def _time(state: Investigation, course, effects, dt: float, factor: float) -> di
     model = None
     if course is not None:
         level = float(np.nanmean(mean)) - float(course[used].mean())
-        model = _listed((course[: count * block].reshape(shape).mean(axis=1) + level) / factor)
+        model = listed((course[: count * block].reshape(shape).mean(axis=1) + level) / factor)
     intervals = [pair for e in effects for pair in e.lists.get("intervals", [])]
     return {
         "time_s": ((np.arange(count) + 0.5) * block * dt).tolist(),
-        "mean": _listed(mean / factor),
-        "deviation": _listed(np.where(number > 1, deviation, np.nan) / factor),
+        "mean": listed(mean / factor),
+        "deviation": listed(np.where(number > 1, deviation, np.nan) / factor),
         "model": model,
         "intervals": intervals,
     }
@@ -178,7 +165,7 @@ def _time(state: Investigation, course, effects, dt: float, factor: float) -> di
 
 def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict[str, Any]]:
     """The spectrum about each narrow effect, at the resolution of the record."""
-    start, stop = max(state.pieces, key=lambda piece: piece[1] - piece[0])
+    start, stop = state.longest
     piece = state.values[start:stop]
     power = None
     found = []
@@ -204,7 +191,7 @@ def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict
         model = np.interp(
             frequency * dt,
             state.data.bins.frequency[state.data.bins.used],
-            _model_mean(state)[state.data.bins.used] * dt,
+            mean_density(state.model, state.data)[state.data.bins.used] * dt,
         )
         if effect.name == "sinusoid":
             # A Hann window spreads a line over four ordinates.
@@ -215,13 +202,9 @@ def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict
         found.append(
             {
                 "frequency_hz": frequency.tolist(),
-                "density": _listed(shown / factor**2),
-                "model": _listed(model / factor**2),
+                "density": listed(shown / factor**2),
+                "model": listed(model / factor**2),
                 "line_hz": line,
             }
         )
     return found
-
-
-def _listed(values) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]

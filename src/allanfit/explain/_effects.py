@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 
 from . import _means
-from ._investigate import Finding, Investigation
 from ._posterior import Draws
 from ._spread import runs
+from ._state import Finding, Investigation
 from ._structure import EACH, added_density, shape_of
 from ._telegraph import two_levels
 
@@ -281,7 +281,7 @@ def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effec
 
 def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     changing = finding.detail
-    start = max(state.pieces, key=lambda piece: piece[1] - piece[0])[0]
+    start = state.longest[0]
     times = [[(start + a) * dt, (start + b) * dt] for a, b in runs(changing.loud)]
     others = {"disturbance": 0.03}
     return [

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -14,26 +13,23 @@ from jaxtyping import Float
 from ..curves import unit_scale
 from ..identify import ChannelFit, Fit, fit_series
 from ..identify._goodness import goodness_of_fit
-from ..identify._recording_fit import _coefficients
+from ..identify._recording_fit import channel_header, coefficients_document, recording_document
 from ..physics import EFFECTS, Sampling, parameter_unit
 from ..recording import Channel, Recording
-from ..recording._checks import usable
 from ..temperature import beside
-from . import _means
 from ._after import fit_after
 from ._compare import Reference, compared, references
 from ._curves import explained_curves
 from ._effects import Effect, effects_of
 from ._held_out import HeldOut, held_out
-from ._investigate import ALARM, Investigation, investigate
+from ._investigate import ALARM, investigate
 from ._mismatch import mismatches
 from ._posterior import sample_structure
+from ._state import Investigation
 from ._structure import active
 from ._words import effect_sentence
 
 SCHEMA = "allanfit.explain/1"
-# A better model must leave no more than this unexplained.
-_MISFIT = 1e-4
 # How many families of tests share the chance of a false alarm.
 _FAMILIES = 8
 
@@ -68,20 +64,11 @@ class ChannelExplanation:
     def to_dict(self) -> dict[str, Any]:
         """This channel's entry in the explain JSON, in the unit that the user gave."""
         channel, fit, factor = self.channel, self.before, self.channel.factor
-        used = sum(fit.design.lengths)
-        plain = _coefficients(fit, channel)
+        plain = coefficients_document(fit, channel)
         shown = [self._effect(effect) for effect in self.effects]
         found = mismatches(self.state, self.effects, 1 / float(fit.rate_hz))
         return {
-            "channel": channel.name,
-            "unit": channel.unit,
-            "si_unit": channel.si_unit,
-            "kind": channel.kind,
-            "rate_hz": float(fit.rate_hz),
-            "samples": used,
-            "duration_s": used / float(fit.rate_hz),
-            "sampling": fit.design.sampling,
-            "mean": float(np.mean(usable(channel.samples, channel.stretches))) / factor,
+            **channel_header(channel, fit),
             "verdict": self.verdict,
             "false_alarm_probability": self.false_alarm_probability,
             "mismatch": found
@@ -91,7 +78,7 @@ class ChannelExplanation:
             "coefficients_before": plain,
             "coefficients_after": plain
             if self.after is None
-            else _coefficients(self.after, channel),
+            else coefficients_document(self.after, channel),
             "improvement": self._improvement(),
             "witnesses": self.state.witnesses,
             "advice": list(self.advice),
@@ -181,14 +168,7 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """The explain JSON, schema allanfit.explain/1."""
-        return {
-            "schema": SCHEMA,
-            "recording": self.recording.name,
-            "checksum": self.recording.checksum,
-            "allanfit_version": version("allanfit"),
-            "findings": list(self.recording.findings),
-            "channels": [channel.to_dict() for channel in self.channels],
-        }
+        return recording_document(SCHEMA, self.recording, self.channels)
 
 
 def explain_recording(
@@ -275,8 +255,7 @@ def _explain_channel(
     draws = sample_structure(state.model, state.data, seed, quick=not posterior)
     effects = tuple(effects_of(state, draws, dt, seed))
     after = fit_after(fit, state, draws, seed)
-    variance = _means.ordinate_variance(state.left, state.model, state.data)
-    moved = np.concatenate([np.zeros((variance.size, 0)), *state.moved], axis=1)
+    moved = state.all_moved
     score = held_out(
         state.spectrum._replace(top=0.5),
         state.left._replace(top=0.5),
@@ -285,7 +264,7 @@ def _explain_channel(
         state.model,
         state.data,
         state.first_data,
-        variance,
+        state.variance,
         seed,
     )
     fitted = int(active(state.model.kinds, state.data.terms).sum()) + moved.shape[1]

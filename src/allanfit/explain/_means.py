@@ -15,8 +15,9 @@ from scipy.fft import dct
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from ._chance import TRIALS
 from ._ordinates import Ordinates, amplitudes, binned
-from ._search import Model, best, log_tail, mean_density, rescaled
+from ._search import Model, best, mean_density, rescaled
 from ._structure import Data
 
 # Courses are looked for in means over at most this many blocks of the record.
@@ -25,17 +26,6 @@ _SHORTLIST = 3
 # Chance of a scan's maximum below which a course is fitted at all.
 _WORTH = 0.3
 _ROUNDS = 3
-#: Independent places a course is looked for in, and its parameters; see `_search.TRIALS`. The noise
-#: that is fitted again beside a course makes chance gains larger than chi-square ones; so more.
-TRIALS = {
-    "step": (3000.0, 1),
-    "warm_up": (25.0, 1),
-    "sinusoid": (2000.0, 2),
-    "temperature": (6.0, 2),
-    "vibration_rectification": (2.0, 1),
-}
-# Twice the log-likelihood that a size has to pay for among rivals.
-_SIZE_PRICE = 3.2
 # Slower than this many periods in the record, an oscillation is no line yet.
 _FEWEST_PERIODS = 1.5
 _MOST_PERIODS = 160
@@ -74,18 +64,6 @@ def cost(model: Model, data: Data) -> float:
             2 * np.asarray(data.bins.shape) * (np.log(mean) + np.asarray(data.bins.density) / mean)
         )
     )
-
-
-def log_chance(name: str, gain: float) -> float:
-    """Log of the probability that noise alone gains as much by a course of this name."""
-    trials, freedom = TRIALS[name]
-    return float(min(0.0, np.log(trials) + log_tail(gain, freedom)))
-
-
-def score(name: str, gain: float) -> float:
-    """As `_search.score`: the gain less what the places and the sizes of a course cost."""
-    trials, freedom = TRIALS[name]
-    return gain - 2 * float(np.log(trials)) - _SIZE_PRICE * freedom
 
 
 def ordinate_variance(

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _search
 from ._effects import Effect
-from ._investigate import Finding, Investigation
+from ._state import Finding, Investigation
 
 # Part of the evidence that a reported band holds.
 _INSIDE = 0.8

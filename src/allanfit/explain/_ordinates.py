@@ -130,10 +130,7 @@ def bin_edges(
         fine = np.unique(fine) * spacing
         fine = fine[(fine > edges[0]) & (fine < edges[-1])]
         if fine.size:
-            outside = (edges < fine[0]) | (edges > fine[-1])
-            # Edges of two peaks that overlap both stay.
-            kept = edges[outside] if not peaks else edges
-            edges = np.union1d(kept, fine)
+            edges = np.union1d(edges, fine)
     return edges
 
 

@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import chi2
 
 from ._climb import climb, expected_density, rescale
 from ._structure import (
@@ -25,18 +23,6 @@ from ._structure import (
 # Starts are filled up to this many, for few compilations.
 _STARTS = 8
 _MOST_ADDED = 3
-# How many independent places an effect is looked for in, and the parameters that it has: the
-# chance that noise alone gains x in twice the log-likelihood is trials * P(chi^2 > x).
-TRIALS = {
-    "gauss_markov": (3.0, 2),
-    "resonance": (12.0, 3),
-    "power_law": (1.0, 2),
-    "low_pass": (4.0, 2),
-    "drifting_line": (15.0, 3),
-    "bump": (20.0, 3),
-}
-# Twice the log-likelihood that a parameter has to pay for in the comparison of rivals.
-_PRICE = float(np.log(200))
 
 
 class Model(NamedTuple):
@@ -136,24 +122,6 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
             three += [free(centre, *limits[0]), free(width, *limits[1])]
             starts.append(_shaping_start("bump", three, model))
     return _compare(starts, model, data)
-
-
-def log_chance(name: str, gain: float) -> float:
-    """Log of the probability that noise alone gains as much by this effect."""
-    trials, freedom = TRIALS[name]
-    return float(min(0.0, np.log(trials) + log_tail(gain, freedom)))
-
-
-def log_tail(gain: float, freedom: int) -> float:
-    """Log of P(chi^2 > gain), also where the probability is no float any more."""
-    if gain < 600:
-        return float(chi2.logsf(gain, freedom))
-    return float(-gain / 2 + (freedom / 2 - 1) * np.log(gain / 2) - gammaln(freedom / 2))
-
-
-def score(name: str, gain: float) -> float:
-    """Twice the log of the odds of rivals, up to a constant: the gain less what it costs."""
-    return gain - _PRICE * TRIALS[name][1]
 
 
 def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:

@@ -42,17 +42,15 @@ Theta = Float[Array, " parameters"] | Float[np.ndarray, " parameters"]
 
 
 class Kinds(NamedTuple):
-    """What a structure holds; one program is compiled for each."""
+    """What a structure holds.
+
+    Its parameters are the log powers of Q, N, B, K, then three numbers of each effect.
+    """
 
     #: "low_pass", "digital_low_pass", "bump" or none.
     shaping: str | None = None
     #: Names of the added noises, in the order of their parameters.
     added: tuple[str, ...] = ()
-
-    @property
-    def parameters(self) -> int:
-        """Length of theta: log powers of Q, N, B, K, then three numbers of each effect."""
-        return TERMS + EACH * ((self.shaping is not None) + len(self.added))
 
     @property
     def first_slot(self) -> int:

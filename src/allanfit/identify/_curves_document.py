@@ -44,10 +44,10 @@ def _allan(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, A
     low, high = _band(found, 2 * (mean / spread) ** 2)
     return {
         "tau_s": (sizes * dt).tolist(),
-        "deviation": _listed(np.sqrt(found)),
-        "model": _listed(np.sqrt(mean) / factor),
-        "band_95": [_listed(np.sqrt(low)), _listed(np.sqrt(high))],
-        "terms": {symbol: _listed(np.sqrt(terms[symbol]) / factor) for symbol in SYMBOLS},
+        "deviation": listed(np.sqrt(found)),
+        "model": listed(np.sqrt(mean) / factor),
+        "band_95": [listed(np.sqrt(low)), listed(np.sqrt(high))],
+        "terms": {symbol: listed(np.sqrt(terms[symbol]) / factor) for symbol in SYMBOLS},
     }
 
 
@@ -59,12 +59,12 @@ def _psd(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, Any
     power = np.array([float(term.coefficient) ** 2 for term in noise])
     terms = np.asarray(fit.design.density) * power * dt / factor**2
     low, high = _band(found, np.asarray(fit.design.ordinates))
-    by_symbol = {term.symbol: _listed(terms[:, i]) for i, term in enumerate(noise)}
+    by_symbol = {term.symbol: listed(terms[:, i]) for i, term in enumerate(noise)}
     return {
         "frequency_hz": (frequency / dt).tolist(),
-        "density": _listed(found),
-        "model": _listed(np.sum(terms, axis=1)),
-        "band_95": [_listed(low), _listed(high)],
+        "density": listed(found),
+        "model": listed(np.sum(terms, axis=1)),
+        "band_95": [listed(low), listed(high)],
         "terms": by_symbol | {"R": [0.0] * len(frequency)},
     }
 
@@ -73,6 +73,6 @@ def _band(found: np.ndarray, freedom: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return found * freedom / chi2.ppf(0.975, freedom), found * freedom / chi2.ppf(0.025, freedom)
 
 
-def _listed(values: np.ndarray) -> list[float | None]:
+def listed(values: np.ndarray) -> list[float | None]:
     """JSON knows no NaN: what is undefined is null."""
     return [float(value) if np.isfinite(value) else None for value in values]

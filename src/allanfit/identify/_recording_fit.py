@@ -1,10 +1,10 @@
 """A whole recording: every channel fitted, with findings, and its JSON document."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any, overload
+from typing import Any, Protocol, overload
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 from ..curves import octaves, read_slopes
 from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
 from ..recording import Channel, Recording
+from ..recording._checks import usable
 from ..temperature import (
     ChannelTemperature,
     Treatment,
@@ -35,6 +36,14 @@ _DEFICIT = 3.0
 # Pieces whose influence is told, if each has as many samples.
 _PIECES = 60
 _SAMPLES_A_PIECE = 16
+
+
+class Document(Protocol):
+    """Anything that is told in JSON."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -104,19 +113,10 @@ class ChannelFit:
         """This channel's entry in the fit JSON, in the unit that the user gave."""
         channel, result = self.channel, self.fit
         factor = channel.factor
-        used = sum(result.design.lengths)
         return {
-            "channel": channel.name,
-            "unit": channel.unit,
-            "si_unit": channel.si_unit,
-            "kind": channel.kind,
-            "rate_hz": float(result.rate_hz),
-            "samples": used,
-            "duration_s": used / float(result.rate_hz),
-            "sampling": result.design.sampling,
-            "mean": float(np.mean(_usable(channel))) / factor,
+            **channel_header(channel, result),
             "status": "converged" if bool(result.converged) else "the fit did not converge",
-            "coefficients": _coefficients(result, channel),
+            "coefficients": coefficients_document(result, channel),
             "goodness_of_fit": {
                 "p_value": _number(result.goodness_of_fit),
                 "consistent": bool(result.goodness_of_fit >= _MISFIT),
@@ -152,7 +152,8 @@ class ChannelFit:
         kept, removed = self.fit, self.temperature.effect.removed
         if self.temperature.removed:
             kept, removed = self.temperature.plain, self.fit
-        return _coefficients(kept, self.channel), _coefficients(removed, self.channel)
+        channel = self.channel
+        return coefficients_document(kept, channel), coefficients_document(removed, channel)
 
 
 @dataclass(frozen=True)
@@ -168,14 +169,7 @@ class RecordingFit:
 
     def to_dict(self) -> dict[str, Any]:
         """The fit JSON, schema allanfit.fit/1."""
-        return {
-            "schema": SCHEMA,
-            "recording": self.recording.name,
-            "checksum": self.recording.checksum,
-            "allanfit_version": version("allanfit"),
-            "findings": list(self.recording.findings),
-            "channels": [channel.to_dict() for channel in self.channels],
-        }
+        return recording_document(SCHEMA, self.recording, self.channels)
 
 
 def fit_recording(
@@ -264,7 +258,37 @@ def series_document(result: Fit, name: str, unit: str) -> dict[str, Any]:
     return RecordingFit(recording, (ChannelFit(channel, result, None),)).to_dict()
 
 
-def _coefficients(result: Fit, channel: Channel) -> dict[str, Any]:
+def recording_document(
+    schema: str, recording: Recording, channels: Sequence[Document]
+) -> dict[str, Any]:
+    """The JSON of any analysis of a recording, an entry a channel."""
+    return {
+        "schema": schema,
+        "recording": recording.name,
+        "checksum": recording.checksum,
+        "allanfit_version": version("allanfit"),
+        "findings": list(recording.findings),
+        "channels": [channel.to_dict() for channel in channels],
+    }
+
+
+def channel_header(channel: Channel, result: Fit) -> dict[str, Any]:
+    """What begins a channel's entry: what it is, in the unit that the user gave."""
+    used = sum(result.design.lengths)
+    return {
+        "channel": channel.name,
+        "unit": channel.unit,
+        "si_unit": channel.si_unit,
+        "kind": channel.kind,
+        "rate_hz": float(result.rate_hz),
+        "samples": used,
+        "duration_s": used / float(result.rate_hz),
+        "sampling": result.design.sampling,
+        "mean": float(np.mean(usable(channel.samples, channel.stretches))) / channel.factor,
+    }
+
+
+def coefficients_document(result: Fit, channel: Channel) -> dict[str, Any]:
     """The `coefficients` of the fit JSON, in the unit that the user gave."""
     factor = channel.factor
     values, limits, resolved = result.coefficients, result.upper_limits, result.resolved
@@ -295,10 +319,6 @@ def _influence(
         return None
     pieces = min(_PIECES, sum(result.design.lengths) // _SAMPLES_A_PIECE)
     return influence(result, samples, stretches, pieces=pieces)
-
-
-def _usable(channel: Channel) -> np.ndarray:
-    return np.concatenate([channel.samples[start:stop] for start, stop in channel.stretches])
 
 
 def _name(names: Names, kind: str) -> str:

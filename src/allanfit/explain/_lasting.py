@@ -1,0 +1,219 @@
+"""Whether the noise of a channel is normal and lasts: outliers, loud times, knocks."""
+
+import numpy as np
+from jaxtyping import Float
+
+from . import _means, _search
+from ._chance import log_chance
+from ._lines import scan
+from ._ordinates import bin_edges, binned, ordinates
+from ._spread import Contamination, Modulation, contamination, modulation, runs
+from ._state import Finding, Investigation, add_course, rebin, refit, whitened_piece, with_course
+from ._whiten import level
+
+# Loud for less of the record, and by more, is a knock and no change of the noise.
+_KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
+_MARGIN = 2
+_MOST_STEPS = 8
+# A quiet time must be as long for its own fit.
+_SHORTEST_QUIET = 1024
+
+
+def about_spread(state: Investigation, seed: int) -> bool:
+    """Outliers, loud times and knocks. Says whether the record has to be cut."""
+    if state.format.coarse or state.format.repeat is not None:
+        # Coarse or held samples are not normal, and their whitened record is not either.
+        return False
+    piece = state.longest
+    rough = whitened_piece(state, piece)
+    notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
+    white = whitened_piece(state, piece, notches)
+    changing = modulation(white, seed)
+    state.witnesses.append(
+        {
+            "name": "variance in time",
+            "statistic": changing.ratio,
+            "p_value": changing.p_value,
+            "sentence": "Windowed variances of the whitened record, compared.",
+        }
+    )
+    loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
+    if loud and not state.knocks:
+        share = changing.loud.mean()
+        if share < _KNOCK_SHARE and _steps_instead(state, piece, changing):
+            return about_spread(state, seed)
+        if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
+            pulled = changing.window * _MARGIN
+            state.knocks = [
+                (piece[0] + max(a - pulled, 0), piece[0] + min(b + pulled, changing.loud.size))
+                for a, b in runs(changing.loud)
+            ]
+            detail = changing
+            state.findings.append(
+                Finding("disturbance", np.log(max(changing.p_value, 1e-300)), 0.0, {}, detail)
+            )
+            return True
+    if loud:
+        state.modulation = changing
+        even = white / np.where(changing.loud, changing.ratio, 1.0)
+        even = even / np.std(np.clip(even, -4, 4))
+    else:
+        even = white
+    spiky = contamination(even, seed)
+    state.witnesses.append(
+        {
+            "name": "outliers",
+            "statistic": spiky.gain,
+            "p_value": spiky.p_value,
+            "sentence": "Two normal distributions against one, on the whitened record.",
+        }
+    )
+    # How tall a spike of one unit is in the whitened record.
+    mean = level(state.left, state.variance)
+    height = float(np.mean(1 / np.sqrt(mean / 2)))
+    if loud:
+        added = _loud_variance(state, piece, changing)
+        # As loud as it gets, in all of the spectrum or in the white part of it.
+        share = float(changing.loud.mean())
+        quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
+        ratio = max(changing.ratio**2, 1 + added / share / quiet)
+        strength = np.where(changing.loud, ratio, 1.0)
+        dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
+        state.spectrum = state.spectrum._replace(dilution=dilution)
+        state.foreign += added
+        state.findings.append(
+            Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
+        )
+        rebin(state)
+    if spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma:
+        state.contamination = _in_units(spiky, height)
+        state.findings.append(
+            Finding(
+                "outliers",
+                np.log(max(spiky.p_value, 1e-300)),
+                spiky.gain,
+                {},
+                state.contamination,
+            )
+        )
+        state.foreign += _excise(state, piece, even, spiky) / height**2
+    if loud or state.contamination is not None:
+        refit(state)
+    return False
+
+
+def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
+    """Whether the mean jumps where it is loud: whitening makes a pulse of a step.
+
+    Takes the steps if so; else leaves everything as it was.
+    """
+    found = runs(changing.loud)
+    if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
+        return False
+    before = (list(state.courses), list(state.moved), state.sized, state.model, state.data)
+    taken: list[Finding] = []
+    for a, b in found:
+        middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
+        cost = state.cost
+        course = _means.polish(
+            _means.step(round(middle), state.values.size),
+            lambda at: _means.step(round(at), state.values.size),
+            middle,
+            half / 2,
+            lambda tried: -with_course(state, tried).cost,
+        )
+        gain = cost - with_course(state, course).cost
+        if log_chance("step", gain) > 2 * np.log(state.alarm):
+            break
+        finding = Finding("step", log_chance("step", gain), gain)
+        add_course(state, course, finding)
+        taken.append(finding)
+    else:
+        return True
+    state.courses, state.moved, state.sized, state.model, state.data = before
+    state.findings = [each for each in state.findings if each not in taken]
+    return False
+
+
+def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modulation) -> float:
+    """White variance that loud times add to the mean of all [u^2].
+
+    The quiet times alone, as stretches of a record of their own, have an N of their own.
+    """
+    quiet = tuple(
+        state.values[piece[0] + a : piece[0] + b]
+        for a, b in runs(~changing.loud)
+        if b - a >= _SHORTEST_QUIET
+    )
+    if not quiet:
+        return 0.0
+    spectrum = ordinates(quiet, state.sampling)
+    bins = binned(spectrum, bin_edges(spectrum.longest))
+    data = state.data._replace(bins=bins, samples=float(spectrum.longest), foreign=0.0, repeat=1.0)
+    alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
+    return float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1]))
+
+
+def _in_units(found: Contamination, height: float) -> Contamination:
+    """In the unit of the record, where a spike of one unit stands `height` tall when whitened."""
+    scale = np.array([1.0, 1 / height, 1 / height])
+    return found._replace(
+        amplitude=found.amplitude / height, sigma=found.sigma / height, draws=found.draws * scale
+    )
+
+
+def _excise(
+    state: Investigation,
+    piece: tuple[int, int],
+    white: Float[np.ndarray, " samples"],
+    spiky: Contamination,
+) -> float:
+    """Put neighbours' means in place of clear spikes, for the analysis alone.
+
+    Returns the variance, in the whitened record, of white noise that this leaves wrong: faint
+    spikes that stay, less the noise of the samples replaced.
+    """
+    clear = np.abs(white) > spiky.threshold
+    values = state.values.copy()
+    inside = values[piece[0] : piece[1]]
+    good = np.flatnonzero(~clear)
+    for at in np.flatnonzero(clear):
+        place = int(np.searchsorted(good, at))
+        near = good[max(place - 4, 0) : place + 4]
+        inside[at] = inside[near].mean()
+    state.values = values
+    parts = tuple(values[start:stop] for start, stop in state.pieces)
+    state.spectrum = ordinates(parts, state.sampling)
+    rebin(state)
+    share = float(clear.mean())
+    faint = float(np.mean(white[~clear] ** 2)) - spiky.sigma**2
+    return (1 - share) * faint - share * spiky.sigma**2
+
+
+def without(
+    pieces: tuple[tuple[int, int], ...], knocks: list[tuple[int, int]]
+) -> tuple[tuple[int, int], ...]:
+    """The stretches less some intervals; what is left must be long enough to use."""
+    left = []
+    for start, stop in pieces:
+        at = start
+        for a, b in sorted(knocks):
+            if a < stop and b > start:
+                if a - at >= 64:
+                    left.append((at, a))
+                at = max(at, b)
+        if stop - at >= 64:
+            left.append((at, stop))
+    return tuple(left)
+
+
+def loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:
+    """Local variance of the fast noise [u^2], smooth, centred: what may rectify."""
+    changing = state.modulation
+    assert changing is not None
+    start, stop = state.longest
+    mean = state.variance
+    quiet = float(np.mean(mean[mean.size // 2 :]) / 2)
+    column = np.zeros(state.values.size)
+    column[start:stop] = np.where(changing.loud, (changing.ratio**2 - 1) * quiet, 0.0)
+    return (column - column[start:stop].mean())[:, None]

@@ -1,0 +1,234 @@
+"""One more effect at a time: lines, smooth effects and courses compete, and one is taken."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _means, _search
+from ._chance import log_chance, score
+from ._lines import Peak, Sine, refine, scan
+from ._means import Course
+from ._ordinates import bin_edges
+from ._search import Candidate
+from ._state import Finding, Investigation, add_course, rebin, whitened_piece, with_course
+from ._whiten import level
+
+_MOST_LINES = 12
+# Lines are looked for in as many places as there are ordinates, at a chance of their own.
+_LINE_ALARM = 4.0
+# A peak of as few ordinates is a line until shown to be broad.
+_LINE_WIDTH = 4
+_NARROW = ("resonance", "drifting_line")
+
+
+class _Option(NamedTuple):
+    """Something that a round may choose."""
+
+    name: str
+    log_p: float
+    gain: float
+    score: float
+    #: Takes it, given the scores of its rivals by name.
+    take: Callable[[dict[str, float]], None]
+
+
+def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
+    """One more effect, if any is needed; says whether one was."""
+    options = _line_options(state) + _smooth_options(state) + _course_options(state, drivers)
+    options = [option for option in options if np.isfinite(option.log_p)]
+    state.nearest = min([state.nearest, *(option.log_p for option in options)])
+    alarms = [option for option in options if option.log_p < np.log(state.alarm)]
+    if not alarms:
+        return False
+    # Lines first: nothing smooth explains one, and one distorts what is smooth.
+    chosen, among = _choice(state, alarms)
+    rivals: dict[str, float] = {}
+    for option in options:
+        if among is None or option.name in among:
+            rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
+    chosen.take(rivals)
+    return True
+
+
+def _choice(state: Investigation, alarms: list[_Option]) -> tuple[_Option, tuple[str, ...] | None]:
+    """What to take first, and among which rivals; None for all.
+
+    A line comes first, since nothing smooth explains one; but not while the level on which it
+    stands is grossly wrong. Then a filter, which bends that level; then what is narrow.
+    """
+    lines = [option for option in alarms if option.name in ("line", "band")]
+    others = [option for option in alarms if option not in lines]
+    best = max(others, key=lambda option: option.score, default=None)
+    narrow = [option for option in lines if option.name == "line"]
+    if narrow and (best is None or narrow[0].log_p < best.log_p):
+        return narrow[0], ()
+    if best is not None and best.name == "low_pass":
+        return best, None
+    if lines and (best is None or best.name in _NARROW):
+        return lines[0], ()
+    kinds = state.model.kinds.added
+    if len(state.peaks) > sum(kinds.count(name) for name in _NARROW):
+        sharp = [option for option in others if option.name in _NARROW]
+        if sharp:
+            return max(sharp, key=lambda option: option.score), _NARROW
+    if best is None:
+        return lines[0], ()
+    return best, None
+
+
+def _line_options(state: Investigation) -> list[_Option]:
+    piece = state.longest
+    held = sum(course.name == "sinusoid" for course in state.courses)
+    known = tuple(peak.frequency for peak in state.peaks)
+    white = whitened_piece(state, piece, ())
+    peaks = [
+        peak
+        for peak in scan(white, _LINE_ALARM * state.alarm)
+        if not any(
+            abs(peak.frequency - old.frequency) < 3 * (old.half_width + peak.half_width)
+            for old in state.peaks
+        )
+    ]
+    state.witnesses = [w for w in state.witnesses if w["name"] != "lines"]
+    state.witnesses.append(
+        {
+            "name": "lines",
+            "statistic": len(peaks) + held + len(known),
+            "p_value": float(np.exp(peaks[0].log_p)) if peaks else 1.0,
+            "sentence": "The spectrum at full resolution, scanned for narrow bands.",
+        }
+    )
+    if not peaks or held >= _MOST_LINES:
+        return []
+    peak = peaks[0]
+    mean = level(state.left, state.variance)
+    density = float(np.interp(peak.frequency, state.left.frequency, mean))
+    sine = refine(white, peak.frequency, density)
+
+    def take(rivals: dict[str, float]) -> None:
+        _take_line(state, peak, sine, white)
+
+    name = "line" if peak.half_width * white.size <= _LINE_WIDTH / 2 else "band"
+    # On the scale of the other options' chances, which have an alarm of their own.
+    log_p = peak.log_p - np.log(_LINE_ALARM)
+    return [_Option(name, log_p, sine.gain, sine.gain, take)]
+
+
+def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) -> None:
+    """A peak that one sinusoid empties is one; another is broad, and left to the spectrum."""
+    samples = white.size
+    time = np.arange(samples)
+    angle = 2 * np.pi * sine.frequency * time
+    basis = np.column_stack([np.cos(angle), np.sin(angle)])
+    rest = white - basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
+    near = [
+        other
+        for other in scan(rest, 1e-3)
+        if abs(other.frequency - sine.frequency) < max(8 / samples, 2 * peak.half_width)
+    ]
+    if not near:
+        course = _means.oscillation(sine.frequency, state.longest[0], state.values.size)
+        course.shape["deviation"] = sine.frequency_deviation
+        log_p = peak.log_p
+        add_course(state, course, Finding("sinusoid", log_p, sine.gain))
+        return
+    # As wide as what is left beside the middle.
+    spread = [abs(other.frequency - peak.frequency) + other.half_width for other in near]
+    state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread)))
+    pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
+    state.edges = bin_edges(state.spectrum.longest, pairs)
+    rebin(state)
+
+
+def _smooth_options(state: Investigation) -> list[_Option]:
+    pairs = tuple((peak.frequency, peak.half_width) for peak in state.peaks)
+    options = []
+    for candidate in _search.candidates(state.model, state.data, pairs):
+
+        def take(rivals: dict[str, float], candidate: Candidate = candidate) -> None:
+            state.model = candidate.model
+            state.findings.append(
+                Finding(
+                    candidate.name,
+                    log_chance(candidate.name, candidate.gain),
+                    candidate.gain,
+                    rivals,
+                )
+            )
+
+        options.append(
+            _Option(
+                candidate.name,
+                log_chance(candidate.name, candidate.gain),
+                candidate.gain,
+                score(candidate.name, candidate.gain),
+                take,
+            )
+        )
+    return options
+
+
+def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[_Option]:
+    proposals = _means.propose(
+        state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
+    )
+    before = state.cost
+    options: list[_Option] = []
+    for course in proposals:
+        if any(course.name == old.name and course.shape == old.shape for old in state.courses):
+            continue
+        sized = with_course(state, course)
+        gain = max(before - sized.cost, 0.0)
+
+        def take(rivals: dict[str, float], course: Course = course, gain: float = gain) -> None:
+            log_p = log_chance(course.name, gain)
+            add_course(state, _refined(state, course), Finding(course.name, log_p, gain, rivals))
+
+        options.append(
+            _Option(
+                course.name,
+                log_chance(course.name, gain),
+                gain,
+                score(course.name, gain),
+                take,
+            )
+        )
+    return options
+
+
+def _refined(state: Investigation, course: Course) -> Course:
+    """The course at its best place in time."""
+    start, stop = state.longest
+    length, samples = stop - start, state.values.size
+
+    def gain(tried: Course) -> float:
+        return -with_course(state, tried).cost
+
+    if course.name == "step":
+        return _means.polish(
+            course,
+            lambda at: _means.step(round(at), samples),
+            course.shape["time"],
+            length / 2000,
+            gain,
+        )
+    if course.name == "warm_up":
+        constant = course.shape["time_constant"]
+        best = _means.polish(
+            course, lambda c: _means.warm_up(c, start, samples), constant, constant / 5, gain
+        )
+        constant = best.shape["time_constant"]
+        # Its standard deviation from how fast the likelihood falls beside the best.
+        beside = [gain(_means.warm_up(part * constant, start, samples)) for part in (0.9, 1.1)]
+        fall = max(gain(best) - np.mean(beside), 1e-3)
+        best.shape["deviation"] = 0.1 * constant / np.sqrt(fall)
+        return best
+    if course.name == "sinusoid":
+        sized = with_course(state, course)
+        amplitude = float(np.hypot(*sized.sizes[-2:]))
+        variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
+        density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
+        spread = np.sqrt(12 * density / (amplitude**2 * float(length) ** 3)) / (2 * np.pi)
+        course.shape["deviation"] = float(spread)
+    return course

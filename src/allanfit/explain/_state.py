@@ -1,0 +1,197 @@
+"""What is known of one channel while it is investigated, and how that is kept up to date."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..physics import Sampling
+from . import _means, _search
+from ._format import Format, sample_format
+from ._lines import Peak
+from ._means import Course, Sized
+from ._ordinates import Ordinates, bin_edges, binned, ordinates
+from ._search import Candidate, Model
+from ._spread import Contamination, Modulation
+from ._structure import Data
+from ._whiten import level, whitened
+
+
+@dataclass
+class Finding:
+    """One effect that was named."""
+
+    name: str
+    #: Log of the chance of the evidence without the effect, and twice the log-likelihood gained.
+    log_p: float
+    gain: float
+    #: Rivals by name: what each would have gained less what it costs, the effect itself included.
+    rivals: dict[str, float] = field(default_factory=dict)
+    #: What the document needs of effects that no structure or course holds.
+    detail: Any = None
+
+
+@dataclass
+class Investigation:
+    """The state of knowledge of one channel."""
+
+    values: Float[np.ndarray, " samples"]
+    pieces: tuple[tuple[int, int], ...]
+    sampling: Sampling
+    #: Chance of a false alarm for each family of tests on this channel.
+    alarm: float
+    format: Format
+    spectrum: Ordinates
+    edges: Float[np.ndarray, " edges"]
+    data: Data
+    #: The five terms alone, and all that is known now.
+    first: Model
+    model: Model
+    first_data: Data
+    courses: list[Course] = field(default_factory=list)
+    #: The amplitudes of the ordinates of each course.
+    moved: list[Float[np.ndarray, "ordinates columns"]] = field(default_factory=list)
+    sized: Sized | None = None
+    findings: list[Finding] = field(default_factory=list)
+    peaks: list[Peak] = field(default_factory=list)
+    contamination: Contamination | None = None
+    modulation: Modulation | None = None
+    knocks: list[tuple[int, int]] = field(default_factory=list)
+    #: Variance of white noise that does not belong to N: rounding, spikes, loud times [u^2].
+    foreign: float = 0.0
+    witnesses: list[dict[str, Any]] = field(default_factory=list)
+    #: Log of the chance of the strongest evidence within its family of tests.
+    nearest: float = 0.0
+    unexplained: Candidate | None = None
+
+    @property
+    def left(self) -> Ordinates:
+        """The ordinates less the courses."""
+        return self.spectrum if self.sized is None else self.sized.left
+
+    @property
+    def longest(self) -> tuple[int, int]:
+        """The longest stretch."""
+        return max(self.pieces, key=lambda piece: piece[1] - piece[0])
+
+    @property
+    def drawn(self) -> Float[np.ndarray, " samples"] | None:
+        """What all courses add to each sample [u]; None without courses."""
+        if self.sized is None:
+            return None
+        return np.column_stack([course.template for course in self.courses]) @ self.sized.sizes
+
+    @property
+    def calm(self) -> Float[np.ndarray, " samples"]:
+        """The samples less all courses."""
+        drawn = self.drawn
+        return self.values if drawn is None else self.values - drawn
+
+    @property
+    def all_moved(self) -> Float[np.ndarray, "ordinates columns"]:
+        """The amplitudes of the ordinates of all courses, side by side."""
+        nothing = np.zeros((self.spectrum.frequency.size, 0))
+        return np.concatenate([nothing, *self.moved], axis=1)
+
+    @property
+    def variance(self) -> Float[np.ndarray, " ordinates"]:
+        """What the model expects of each ordinate [u^2]."""
+        return _means.ordinate_variance(self.spectrum, self.model, self.data)
+
+    def name_once(self, finding: Finding) -> None:
+        """Add a finding, in place of an older one of its name."""
+        self.findings = [each for each in self.findings if each.name != finding.name]
+        self.findings.append(finding)
+
+    @property
+    def cost(self) -> float:
+        """Minus twice the log-likelihood of what is known now."""
+        return _means.cost(self.model, self.data)
+
+
+def begin(
+    values: Float[np.ndarray, " samples"],
+    pieces: tuple[tuple[int, int], ...],
+    sampling: Sampling,
+    power: Float[np.ndarray, " terms"],
+    alarm: float,
+) -> Investigation:
+    """Nothing known but the five terms; the arguments are those of `investigate`."""
+    found = sample_format(values, pieces)
+    parts = tuple(values[start:stop] for start, stop in pieces)
+    spectrum = ordinates(parts, sampling)
+    edges = bin_edges(spectrum.longest)
+    bins = binned(spectrum, edges)
+    data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool))
+    first = _search.five_terms(power, data)
+    return Investigation(
+        values, pieces, sampling, alarm, found, spectrum, edges, data, first, first, data
+    )
+
+
+def about_format(state: Investigation) -> None:
+    """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
+    made = state.format
+    if made.repeat is not None:
+        state.name_once(Finding("sample_hold", max(made.repeat.log_p, -1e4), 0.0))
+        if made.repeat.regular:
+            # Up to the Nyquist frequency of the fresh values; beyond are their images.
+            state.spectrum = state.spectrum._replace(top=0.5 / made.repeat.samples)
+        state.data = state.data._replace(repeat=made.repeat.samples)
+        rebin(state)
+    if made.coarse:
+        state.name_once(Finding("output_rounding", -1e3, 0.0))
+    if made.rails:
+        state.name_once(Finding("saturation", -1e3, 0.0))
+    # Rounding is white noise behind any filter, however little.
+    state.foreign += made.width**2 / 12
+    refit(state)
+
+
+def refit(state: Investigation) -> None:
+    """The present structure again, with what is known of white noise that is not N."""
+    # Of all white noise something has to be left for N: coarse codes may hide the noise.
+    white = 2 * float(np.exp(state.first.theta[1]))
+    state.data = state.data._replace(foreign=min(2 * state.foreign, 0.999 * white))
+    theta = np.array(state.model.theta)
+    starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
+    state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
+
+
+def rebin(state: Investigation) -> None:
+    """The present structure again, after the ordinates or the edges of the bins have changed."""
+    bins = binned(state.left, state.edges)
+    state.data = state.data._replace(bins=bins)
+    state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
+
+
+def with_course(state: Investigation, course: Course, *, shapes_too: bool = False) -> Sized:
+    """The courses and one more, with the noise fitted again beside them."""
+    moved = np.concatenate([state.all_moved, _means.moved_by(course, state.pieces)], axis=1)
+    return _means.size_up(
+        state.spectrum, moved, state.model, state.data, state.edges, shapes_too=shapes_too
+    )
+
+
+def add_course(state: Investigation, course: Course, finding: Finding) -> None:
+    """Take a course for real."""
+    state.sized = with_course(state, course, shapes_too=True)
+    state.courses.append(course)
+    state.moved.append(_means.moved_by(course, state.pieces))
+    state.findings.append(finding)
+    state.model, state.data = state.sized.model, state.sized.data
+
+
+def resize(state: Investigation) -> None:
+    """The courses beside the structure as it is now."""
+    state.sized = _means.size_up(
+        state.spectrum, state.all_moved, state.model, state.data, state.edges, shapes_too=True
+    )
+    state.model, state.data = state.sized.model, state.sized.data
+
+
+def whitened_piece(state: Investigation, piece: tuple[int, int], notches=()) -> np.ndarray:
+    """A stretch less the courses, made white."""
+    expected = level(state.left, state.variance)
+    return whitened(state.calm[piece[0] : piece[1]], state.left, expected, notches)
