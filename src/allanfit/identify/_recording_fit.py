@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any, Protocol, overload
+from typing import Any, Protocol, overload, runtime_checkable
 
 import jax.numpy as jnp
 import numpy as np
@@ -38,6 +38,7 @@ _PIECES = 60
 _SAMPLES_A_PIECE = 16
 
 
+@runtime_checkable
 class Document(Protocol):
     """Anything that is told in JSON."""
 
