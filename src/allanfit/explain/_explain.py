@@ -258,7 +258,6 @@ def _explain_channel(
     moved = state.all_moved
     score = held_out(
         state.spectrum._replace(top=0.5),
-        state.left._replace(top=0.5),
         moved,
         state.edges,
         state.model,
@@ -266,7 +265,7 @@ def _explain_channel(
         state.first_data,
         state.variance,
         seed,
-    )
+    ).joined(state.gains.values())
     fitted = int(active(state.model.kinds, state.data.terms).sum()) + moved.shape[1]
     chance = goodness_of_fit(
         jnp.asarray(state.model.deviance),

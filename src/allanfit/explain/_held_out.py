@@ -1,19 +1,31 @@
 """Is the better model better on data that it was not fitted to?
 
-Without courses in time the two halves of the ordinates, neighbours dealt out in pairs, are two
-independent records: what is fitted to one is scored on the other. With courses each amplitude is
-split in two by noise of its own variance, y + e and y - e, which are independent and have the same
-mean (data fission: Rasines and Young 2023, Biometrika 110:597), for a course shows in all of them.
+The two halves of the ordinates, neighbours dealt out in pairs, are two independent records: what is
+fitted to one is scored on the other. A course in time may show in few of them, even in one: so
+neighbours are turned into one another first, by a rotation that leaves independent ordinates of
+one variance what they are and gives each half its share of every course. Where that cannot be, at
+the lowest frequencies, each amplitude is split in two by noise of its own variance, y + e and
+y - e, which are independent and have the same mean (data fission: Rasines and Young 2023,
+Biometrika 110:597); the gain is then understated, since each has twice the noise.
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import hadamard
 
+from ._held_out_values import Gain
 from ._ordinates import Bins, Ordinates, binned
 from ._search import Model, best, five_terms, mean_density
 from ._structure import TERMS, Data
+
+# Neighbours that are rotated lie within such a part of their frequency, and are at most so many.
+_ALIKE = 0.1
+_MOST_ROTATED = 32
+# The least share of a course that each half must hold.
+_LEAST_SHARE = 0.2
 
 
 class HeldOut(NamedTuple):
@@ -28,10 +40,16 @@ class HeldOut(NamedTuple):
         """What the better model gains."""
         return self.after - self.before
 
+    def joined(self, gains: Iterable[Gain]) -> "HeldOut":
+        """With what the values of samples gain, given their spectrum."""
+        gains = list(gains)
+        after = self.after + sum(gain.nats for gain in gains)
+        variance = self.standard_error**2 + sum(gain.variance for gain in gains)
+        return HeldOut(self.before, after, variance**0.5)
+
 
 def held_out(
     spectrum: Ordinates,
-    left: Ordinates,
     moved: Float[np.ndarray, "ordinates columns"],
     edges: Float[np.ndarray, " edges"],
     model: Model,
@@ -42,21 +60,62 @@ def held_out(
 ) -> HeldOut:
     """Score five terms and the model named on what neither was fitted to.
 
-    `spectrum` holds all ordinates, `left` those less the courses of amplitudes `moved`, `data` and
+    `spectrum` holds all ordinates, `moved` the amplitudes that courses put there, `data` and
     `plain` what is known of the samples with and without what was found out.
     """
     if moved.shape[1]:
-        return _fission(spectrum, moved, edges, model, data, plain, variance, seed)
-    parts = [_fold(left, edges, model, data, plain, fold) for fold in (0, 1)]
+        turned = _rotated(np.column_stack([spectrum.amplitude, moved]), variance, seed)
+        spectrum, moved = spectrum._replace(amplitude=turned[:, 0]), turned[:, 1:]
+        energy = moved**2 / variance[:, None]
+        share = energy[spectrum.fold == 0].sum(axis=0) / energy.sum(axis=0)
+        if np.any(np.abs(share - 0.5) > 0.5 - _LEAST_SHARE):
+            return _fission(spectrum, moved, edges, model, data, plain, variance, seed)
+    parts = [_fold(spectrum, moved, edges, model, data, plain, variance, fold) for fold in (0, 1)]
     before, after = (sum(part[i] for part in parts) for i in range(2))
-    each = np.concatenate([part[2] for part in parts])
-    return HeldOut(float(before), float(after), float(np.sqrt(np.sum(each))))
+    return HeldOut(float(before), float(after), float(np.sqrt(sum(part[2] for part in parts))))
 
 
-def _fold(left: Ordinates, edges, model: Model, data: Data, plain: Data, fold: int):
-    train, test = binned(left, edges, 1 - fold), binned(left, edges, fold)
-    old, new = _fitted(train, model, data, plain)
-    return _scores(test, old, new, model, data, plain)
+def _rotated(
+    columns: Float[np.ndarray, "ordinates columns"],
+    variance: Float[np.ndarray, " ordinates"],
+    seed: int,
+) -> Float[np.ndarray, "ordinates columns"]:
+    """Amplitudes with neighbours of nearly one frequency turned into one another."""
+    deviation = np.sqrt(variance)[:, None]
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=len(variance))
+    white = columns / deviation * signs[:, None]
+    start = int(np.ceil(2 / _ALIKE))
+    while start < len(white):
+        size = min(2 ** int(np.log2(start * _ALIKE)), _MOST_ROTATED)
+        # As many blocks of this size as there are before a larger one fits.
+        end = 2 * size / _ALIKE if size < _MOST_ROTATED else len(white)
+        blocks = max(1, int((min(end, len(white)) - start) // size))
+        stop = start + blocks * size
+        if stop > len(white):
+            break
+        part = white[start:stop].reshape(blocks, size, -1)
+        white[start:stop] = np.einsum("ij,bjc->bic", hadamard(size), part).reshape(
+            blocks * size, -1
+        ) / np.sqrt(size)
+        start = stop
+    return white * deviation
+
+
+def _fold(spectrum: Ordinates, moved, edges, model: Model, data: Data, plain: Data, variance, fold):
+    train, test = spectrum.fold != fold, spectrum.fold == fold
+    weighted = (moved / variance[:, None])[train]
+    sizes = np.linalg.lstsq(
+        weighted.T @ moved[train], weighted.T @ spectrum.amplitude[train], rcond=None
+    )[0]
+    rest = spectrum.less(moved @ sizes)
+    old, _ = _fitted(binned(spectrum, edges, 1 - fold), model, data, plain)
+    _, new = _fitted(binned(rest, edges, 1 - fold), model, data, plain)
+    low, _, scatter = _scores(binned(spectrum, edges, fold), old, new, model, data, plain)
+    high = _scores(binned(rest, edges, fold), old, new, model, data, plain)[1]
+    if moved.shape[1]:
+        bins = binned(spectrum, edges, fold)
+        scatter = _scatter(spectrum, rest, bins, old, new, data, plain, test) ** 2
+    return low, high, float(np.sum(scatter))
 
 
 def _fitted(train: Bins, model: Model, data: Data, plain: Data) -> tuple[Model, Model]:
@@ -93,11 +152,12 @@ def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, vari
         high = _scores(clean, old, new, model, data, plain)[1]
         total_before += low / 2
         total_after += high / 2
-        scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain))
+        everywhere = np.ones(variance.size, bool)
+        scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain, everywhere))
     return HeldOut(float(total_before), float(total_after), float(scatter))
 
 
-def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data) -> float:
+def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data, scored) -> float:
     """Standard error of the difference when the better model is right."""
     before = mean_density(old, plain._replace(bins=bins))
     after = mean_density(new, data._replace(bins=bins))
@@ -106,4 +166,5 @@ def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data) -> float
     m1 = np.interp(test.frequency, frequency[used], after[used])
     course = test.amplitude - rest.amplitude
     # Half of z^2 (m1/m0 - 1), and of the product of the course with the noise.
-    return float(np.sqrt(np.sum((m1 / m0 - 1) ** 2 / 2 + course**2 * m1 / m0**2)))
+    each = (m1 / m0 - 1) ** 2 / 2 + course**2 * m1 / m0**2
+    return float(np.sqrt(np.sum(each[scored])))

@@ -45,7 +45,7 @@ def investigate(
         cut = without(pieces, state.knocks)
         later = begin(values, cut, sampling, power, alarm)
         later.findings, later.knocks = state.findings, state.knocks
-        later.witnesses = state.witnesses
+        later.witnesses, later.gains = state.witnesses, state.gains
         state = later
         about_format(state)
         about_spread(state, seed)

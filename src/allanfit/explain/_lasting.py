@@ -4,9 +4,10 @@ import numpy as np
 from jaxtyping import Float
 
 from . import _means, _search
-from ._chance import log_chance
+from ._chance import course_log_chance
+from ._held_out_values import of_loud_times, of_spikes
 from ._lines import scan
-from ._ordinates import bin_edges, binned, ordinates
+from ._ordinates import amplitudes, bin_edges, binned, ordinates
 from ._spread import Contamination, Modulation, contamination, modulation, runs
 from ._state import Finding, Investigation, add_course, rebin, refit, whitened_piece, with_course
 from ._whiten import level
@@ -15,6 +16,8 @@ from ._whiten import level
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 _MARGIN = 2
 _MOST_STEPS = 8
+# As far as a scan for a step in white noise goes.
+_STEP_PATH = 100.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 
@@ -52,6 +55,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
             state.findings.append(
                 Finding("disturbance", np.log(max(changing.p_value, 1e-300)), 0.0, {}, detail)
             )
+            state.gains["disturbance"] = of_loud_times(white, seed)
             return True
     if loud:
         state.modulation = changing
@@ -84,6 +88,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         state.findings.append(
             Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
         )
+        state.gains["variance_modulation"] = of_loud_times(white, seed)
         rebin(state)
     if spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma:
         state.contamination = _in_units(spiky, height)
@@ -96,6 +101,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
                 state.contamination,
             )
         )
+        state.gains["outliers"] = of_spikes(even, seed)
         state.foreign += _excise(state, piece, even, spiky) / height**2
     if loud or state.contamination is not None:
         refit(state)
@@ -123,9 +129,12 @@ def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modul
             lambda tried: -with_course(state, tried).cost,
         )
         gain = cost - with_course(state, course).cost
-        if log_chance("step", gain) > 2 * np.log(state.alarm):
+        moved = _means.moved_by(course, state.pieces)
+        known = _means.knowledge(moved, state.left, state.model, state.data)
+        log_p = course_log_chance(gain, 1, known, length=_STEP_PATH)
+        if log_p > 2 * np.log(state.alarm):
             break
-        finding = Finding("step", log_chance("step", gain), gain)
+        finding = Finding("step", log_p, gain)
         add_course(state, course, finding)
         taken.append(finding)
     else:
@@ -183,7 +192,7 @@ def _excise(
         inside[at] = inside[near].mean()
     state.values = values
     parts = tuple(values[start:stop] for start, stop in state.pieces)
-    state.spectrum = ordinates(parts, state.sampling)
+    state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
     rebin(state)
     share = float(clear.mean())
     faint = float(np.mean(white[~clear] ** 2)) - spiky.sigma**2

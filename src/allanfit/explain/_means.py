@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.fft import dct
 from scipy.signal import lfilter
-from scipy.stats import chi2
 
-from ._chance import TRIALS
+from ._chance import course_log_chance
+from ._climb import log_slopes
 from ._ordinates import Ordinates, amplitudes, binned
 from ._search import Model, best, mean_density, rescaled
 from ._structure import Data
@@ -23,12 +23,14 @@ from ._structure import Data
 # Courses are looked for in means over at most this many blocks of the record.
 _BLOCKS = 4096
 _SHORTLIST = 3
-# Chance of a scan's maximum below which a course is fitted at all.
-_WORTH = 0.3
+# Log of the chance of a scan's maximum below which a course is fitted at all.
+_WORTH = float(np.log(0.3))
 _ROUNDS = 3
 # Slower than this many periods in the record, an oscillation is no line yet.
 _FEWEST_PERIODS = 1.5
 _MOST_PERIODS = 160
+# A sensor follows its surroundings late by such parts of the record.
+_LAGS = (0.0, 0.003, 0.01, 0.03, 0.1)
 
 Template = Float[np.ndarray, "samples columns"]
 
@@ -41,6 +43,14 @@ class Course(NamedTuple):
     template: Template
     #: Its parameters beside the sizes, in samples.
     shape: dict[str, float]
+    #: Among how many it is the best: unrelated ones, or those along a path of that length.
+    places: float = 1.0
+    length: float = 0.0
+
+    @property
+    def sizes(self) -> int:
+        """How many sizes it has."""
+        return self.template.shape[1]
 
 
 class Sized(NamedTuple):
@@ -109,6 +119,26 @@ def size_up(
     return Sized(sizes, covariance, model, data, left, cost(model, data))
 
 
+def knowledge(
+    moved: Float[np.ndarray, "ordinates columns"],
+    spectrum: Ordinates,
+    model: Model,
+    data: Data,
+) -> float:
+    """How well the noise is known where a course is: as from so many ordinates of one variance.
+
+    Of n such ordinates the log of the variance would scatter with 2/n; the fit's own scatter comes
+    from its Fisher information.
+    """
+    slopes = log_slopes(model.theta[None], model.kinds, data)[0]
+    information = (slopes * np.asarray(data.bins.shape)[:, None]).T @ slopes
+    used = data.bins.used
+    scatter = np.einsum("bi,ij,bj->b", slopes, np.linalg.pinv(information, hermitian=True), slopes)
+    at = np.interp(np.log(spectrum.frequency), np.log(data.bins.frequency[used]), scatter[used])
+    weight = np.sum(moved**2, axis=1) / ordinate_variance(spectrum, model, data)
+    return float(2 * weight.sum() / max(weight @ at, 1e-300))
+
+
 def propose(
     samples: int,
     pieces: tuple[tuple[int, int], ...],
@@ -137,14 +167,16 @@ def propose(
         theta=np.where(np.arange(model.theta.size) == 3, model.theta - 4.0, model.theta)
     )
     found: list[Course] = []
+    # How far a scan goes is a matter of the noise that is believed in.
+    paths: dict[str, float] = {}
     time = (np.arange(count) + 0.5) * block
     ramp = scale * np.asarray(dct(time - time.mean(), norm="ortho"))[orders]
     for variance in (flat, ordinate_variance(spectrum, calm, data)):
         weight = np.interp(frequency, spectrum.frequency, variance) / 2
         scan = _Scan(amplitude, ramp, weight, scale, orders)
         found += _oscillations(scan, time, length, start, samples)
-        found += _warm_ups(scan, time, length, start, samples)
-        found += _steps(scan, orders, count, block, start, samples)
+        found += _warm_ups(scan, time, length, start, samples, paths)
+        found += _steps(scan, orders, count, block, start, samples, paths)
     for name, columns in drivers.items():
         found += _driven(name, columns, samples)
     return found
@@ -159,12 +191,23 @@ class _Scan(NamedTuple):
 
     def gain(self, columns: Float[np.ndarray, "blocks columns"]) -> float:
         """What generalised least squares gains by some columns beside the ramp."""
+        projected = self.directions(columns).T @ (self.amplitude / np.sqrt(self.variance))
+        return float(np.sum(projected**2))
+
+    def directions(
+        self, columns: Float[np.ndarray, "blocks columns"]
+    ) -> Float[np.ndarray, "orders columns"]:
+        """Unit vectors of some columns in white noise, at right angles to the ramp."""
         spectrum = np.asarray(dct(columns - columns.mean(axis=0), axis=0, norm="ortho"))
         moved = self.scale * spectrum[self.orders]
         root = np.sqrt(self.variance)
         basis, _ = np.linalg.qr(np.column_stack([self.ramp, moved]) / root[:, None])
-        projected = basis.T @ (self.amplitude / root)
-        return float(np.sum(projected[1:] ** 2))
+        return basis[:, 1:]
+
+
+def _path(cosines: Float[np.ndarray, " steps"]) -> float:
+    """The length of a path on the sphere, from the cosines of its steps."""
+    return float(np.sum(np.arccos(np.clip(np.abs(cosines), 0.0, 1.0))))
 
 
 def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
@@ -174,11 +217,14 @@ def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
         angle = 2 * np.pi * cycles * time / length
         gains.append(scan.gain(np.column_stack([np.cos(angle), np.sin(angle)])))
     courses = []
-    for at in _tops(np.asarray(gains), 4, "sinusoid"):
+    # Each whole period is a place of its own, and the best lies between them.
+    places = 3.0 * float(periods[-1])
+    for at in _tops(np.asarray(gains), 4, 2, places):
         fine = periods[at] + np.linspace(-0.25, 0.25, 9)
         angles = [2 * np.pi * c * time / length for c in fine]
         values = [scan.gain(np.column_stack([np.cos(a), np.sin(a)])) for a in angles]
-        courses.append(oscillation(float(fine[int(np.argmax(values))]) / length, start, samples))
+        best_place = float(fine[int(np.argmax(values))]) / length
+        courses.append(oscillation(best_place, start, samples)._replace(places=places))
     return courses
 
 
@@ -190,12 +236,14 @@ def oscillation(frequency: float, start: int, samples: int) -> Course:
     )
 
 
-def _warm_ups(scan: _Scan, time, length, start, samples) -> list[Course]:
+def _warm_ups(scan: _Scan, time, length, start, samples, paths) -> list[Course]:
     constants = np.geomspace(max(length / 300, 4 * (time[1] - time[0])), length / 1.5, 24)
-    gains = [scan.gain(np.exp(-time / constant)[:, None]) for constant in constants]
+    ways = np.stack([scan.directions(np.exp(-time / c)[:, None])[:, 0] for c in constants])
+    path = paths.setdefault("warm_up", _path(np.sum(ways[1:] * ways[:-1], axis=1)))
+    gains = (ways @ (scan.amplitude / np.sqrt(scan.variance))) ** 2
     return [
-        warm_up(float(constants[at]), start, samples)
-        for at in _tops(np.asarray(gains), 3, "warm_up")[:1]
+        warm_up(float(constants[at]), start, samples)._replace(length=path)
+        for at in _tops(gains, 3, 1, 1.0, path)[:1]
     ]
 
 
@@ -205,7 +253,7 @@ def warm_up(constant: float, start: int, samples: int) -> Course:
     return Course("warm_up", np.exp(-time / constant)[:, None], {"time_constant": constant})
 
 
-def _steps(scan: _Scan, orders, count, block, start, samples) -> list[Course]:
+def _steps(scan: _Scan, orders, count, block, start, samples, paths) -> list[Course]:
     # The cosine coefficients of a step at g blocks are a sine of g: all positions at once.
     at = np.arange(1, 1024) / 1024
     sine = np.sin(np.pi * orders[:, None] * at)
@@ -219,9 +267,15 @@ def _steps(scan: _Scan, orders, count, block, start, samples) -> list[Course]:
     top = top - across * (ramp @ scan.amplitude) / norm
     bottom = np.maximum(bottom - across**2 / norm, 1e-12 * bottom)
     gains = top**2 / bottom
+    beside = (unit**2 / scan.variance) @ (sine[:, 1:] * sine[:, :-1])
+    beside -= across[1:] * across[:-1] / norm
+    path = paths.setdefault("step", _path(beside / np.sqrt(bottom[1:] * bottom[:-1])))
     # A step at the very ends is an outlier or a ramp.
     gains[:4] = gains[-4:] = 0.0
-    return [step(round(at[i] * count * block) + start, samples) for i in _tops(gains, 12, "step")]
+    return [
+        step(round(at[i] * count * block) + start, samples)._replace(length=path)
+        for i in _tops(gains, 12, 1, 1.0, path)
+    ]
 
 
 def step(time: int, samples: int) -> Course:
@@ -234,23 +288,26 @@ def step(time: int, samples: int) -> Course:
 def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: int) -> list[Course]:
     if name != "temperature":
         return [Course(name, columns, {})]
-    # The sensor follows its surroundings late.
     courses = []
-    for lag in (0.0, 0.003, 0.01, 0.03, 0.1):
+    for lag in _LAGS:
         constant = lag * samples
         late = columns[:, 0]
         if constant > 1:
             share = 1 - np.exp(-1 / constant)
             late = lfilter([share], [1, share - 1], late - late[0]) + late[0]
         late = late - late.mean()
-        courses.append(Course(name, np.column_stack([late, late**2]), {"lag": constant}))
+        columns = np.column_stack([late, late**2])
+        courses.append(Course(name, columns, {"lag": constant}, places=len(_LAGS)))
     return courses
 
 
-def _tops(gains: Float[np.ndarray, " places"], apart: int, name: str) -> list[int]:
+def _tops(
+    gains: Float[np.ndarray, " gains"], apart: int, sizes: int, places: float, path: float = 0.0
+) -> list[int]:
     """The highest places that are worth a fit, none within `apart` of a higher one."""
-    trials, freedom = TRIALS[name]
-    left = np.where(gains > chi2.isf(_WORTH / trials, freedom), gains, 0.0)
+    known = 1e9
+    worth = [course_log_chance(gain, sizes, known, places, path) < _WORTH for gain in gains]
+    left = np.where(worth, gains, 0.0)
     tops = []
     for _ in range(_SHORTLIST):
         at = int(np.argmax(left))

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _means, _search
-from ._chance import log_chance, score
+from ._chance import course_log_chance, course_score, log_chance, score
 from ._lines import Peak, Sine, refine, scan
 from ._means import Course
 from ._ordinates import bin_edges
@@ -22,7 +22,7 @@ _LINE_WIDTH = 4
 _NARROW = ("resonance", "drifting_line")
 
 
-class _Option(NamedTuple):
+class Option(NamedTuple):
     """Something that a round may choose."""
 
     name: str
@@ -35,23 +35,28 @@ class _Option(NamedTuple):
 
 def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     """One more effect, if any is needed; says whether one was."""
-    options = _line_options(state) + _smooth_options(state) + _course_options(state, drivers)
-    options = [option for option in options if np.isfinite(option.log_p)]
-    state.nearest = min([state.nearest, *(option.log_p for option in options)])
-    alarms = [option for option in options if option.log_p < np.log(state.alarm)]
+    found = options(state, drivers)
+    state.nearest = min([state.nearest, *(option.log_p for option in found)])
+    alarms = [option for option in found if option.log_p < np.log(state.alarm)]
     if not alarms:
         return False
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
     rivals: dict[str, float] = {}
-    for option in options:
+    for option in found:
         if among is None or option.name in among:
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
 
 
-def _choice(state: Investigation, alarms: list[_Option]) -> tuple[_Option, tuple[str, ...] | None]:
+def options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
+    """All that a round may choose from, each with what it would gain."""
+    found = _line_options(state) + _smooth_options(state) + _course_options(state, drivers)
+    return [option for option in found if np.isfinite(option.log_p)]
+
+
+def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[str, ...] | None]:
     """What to take first, and among which rivals; None for all.
 
     A line comes first, since nothing smooth explains one; but not while the level on which it
@@ -77,7 +82,7 @@ def _choice(state: Investigation, alarms: list[_Option]) -> tuple[_Option, tuple
     return best, None
 
 
-def _line_options(state: Investigation) -> list[_Option]:
+def _line_options(state: Investigation) -> list[Option]:
     piece = state.longest
     held = sum(course.name == "sinusoid" for course in state.courses)
     known = tuple(peak.frequency for peak in state.peaks)
@@ -112,7 +117,7 @@ def _line_options(state: Investigation) -> list[_Option]:
     name = "line" if peak.half_width * white.size <= _LINE_WIDTH / 2 else "band"
     # On the scale of the other options' chances, which have an alarm of their own.
     log_p = peak.log_p - np.log(_LINE_ALARM)
-    return [_Option(name, log_p, sine.gain, sine.gain, take)]
+    return [Option(name, log_p, sine.gain, sine.gain, take)]
 
 
 def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) -> None:
@@ -141,7 +146,7 @@ def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) 
     rebin(state)
 
 
-def _smooth_options(state: Investigation) -> list[_Option]:
+def _smooth_options(state: Investigation) -> list[Option]:
     pairs = tuple((peak.frequency, peak.half_width) for peak in state.peaks)
     options = []
     for candidate in _search.candidates(state.model, state.data, pairs):
@@ -158,7 +163,7 @@ def _smooth_options(state: Investigation) -> list[_Option]:
             )
 
         options.append(
-            _Option(
+            Option(
                 candidate.name,
                 log_chance(candidate.name, candidate.gain),
                 candidate.gain,
@@ -169,31 +174,31 @@ def _smooth_options(state: Investigation) -> list[_Option]:
     return options
 
 
-def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[_Option]:
+def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
     proposals = _means.propose(
         state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
     )
     before = state.cost
-    options: list[_Option] = []
+    options: list[Option] = []
     for course in proposals:
         if any(course.name == old.name and course.shape == old.shape for old in state.courses):
             continue
         sized = with_course(state, course)
         gain = max(before - sized.cost, 0.0)
+        moved = _means.moved_by(course, state.pieces)
+        known = _means.knowledge(moved, state.left, state.model, state.data)
+        log_p = course_log_chance(gain, course.sizes, known, course.places, course.length)
 
-        def take(rivals: dict[str, float], course: Course = course, gain: float = gain) -> None:
-            log_p = log_chance(course.name, gain)
+        def take(
+            rivals: dict[str, float],
+            course: Course = course,
+            log_p: float = log_p,
+            gain: float = gain,
+        ) -> None:
             add_course(state, _refined(state, course), Finding(course.name, log_p, gain, rivals))
 
-        options.append(
-            _Option(
-                course.name,
-                log_chance(course.name, gain),
-                gain,
-                score(course.name, gain),
-                take,
-            )
-        )
+        worth = course_score(gain, course.sizes, course.places, course.length)
+        options.append(Option(course.name, log_p, gain, worth, take))
     return options
 
 

@@ -70,11 +70,7 @@ def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamina
     weights = np.concatenate([body[:-1], np.ones(tail.size)])
 
     def densities(parameters: Float[np.ndarray, " three"], heavy: bool, at):
-        fraction = 1 / (1 + np.exp(-parameters[0]))
-        core = np.exp(parameters[2])
-        wide = np.hypot(core, np.exp(parameters[1]))
-        spike = student.pdf(at, 2, scale=wide) if heavy else norm.pdf(at, scale=wide)
-        return (1 - fraction) * norm.pdf(at, scale=core), fraction * spike
+        return _densities(_free(parameters), heavy, at)
 
     def negative(parameters: Float[np.ndarray, " three"], heavy: bool) -> float:
         mixture = sum(densities(parameters, heavy, points))
@@ -98,16 +94,35 @@ def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamina
     draws = _draws(lambda x: negative(x, heavy), best.x, seed)
     fractions = 1 / (1 + np.exp(-draws[:, 0]))
     found = np.stack([fractions, np.exp(draws[:, 1]), np.exp(draws[:, 2])], axis=1)
-    value = 1 / (1 + np.exp(-best.x[0])), np.exp(best.x[1]), np.exp(best.x[2])
+    value = _free(best.x)
     grid = np.linspace(2, 12, 2001) * value[2]
     body, spikes = densities(best.x, heavy, grid)
     threshold = float(grid[np.argmax(spikes > body)]) if np.any(spikes > body) else np.inf
     # Fraction and size are free only where there are spikes; ten places to look for them.
     chance = float(min(1.0, 10 * chi2.sf(gain, 2)))
-    fraction, spike, core = (float(each) for each in value)
-    return Contamination(
-        fraction, spike, core, heavy, threshold, found, gain if sigma else 0.0, chance
-    )
+    return Contamination(*value, heavy, threshold, found, gain if sigma else 0.0, chance)
+
+
+def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]:
+    """Fraction, size and width from their logistic or logarithm."""
+    fraction = 1 / (1 + np.exp(-parameters[0]))
+    return float(fraction), float(np.exp(parameters[1])), float(np.exp(parameters[2]))
+
+
+def _densities(three: tuple[float, float, float], heavy: bool, at: Float[np.ndarray, " values"]):
+    """Densities of the body and of the spikes of a mixture."""
+    fraction, size, core = three
+    wide = np.hypot(core, size)
+    spike = student.pdf(at, 2, scale=wide) if heavy else norm.pdf(at, scale=wide)
+    return (1 - fraction) * norm.pdf(at, scale=core), fraction * spike
+
+
+def log_mixture(
+    found: Contamination, at: Float[np.ndarray, " values"]
+) -> Float[np.ndarray, " values"]:
+    """Log density of a mixture."""
+    three = found.fraction, found.amplitude, found.sigma
+    return np.log(np.maximum(sum(_densities(three, found.heavy, at)), 1e-300))
 
 
 def _draws(negative, at: Float[np.ndarray, " k"], seed: int) -> Float[np.ndarray, "draws k"]:

@@ -7,8 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from ..physics import Sampling
+from ..recording._checks import usable
 from . import _means, _search
 from ._format import Format, sample_format
+from ._held_out_values import Gain, of_codes, of_rails
 from ._lines import Peak
 from ._means import Course, Sized
 from ._ordinates import Ordinates, bin_edges, binned, ordinates
@@ -61,6 +63,8 @@ class Investigation:
     #: Variance of white noise that does not belong to N: rounding, spikes, loud times [u^2].
     foreign: float = 0.0
     witnesses: list[dict[str, Any]] = field(default_factory=list)
+    #: What findings gain on samples that they were not found in, by name of the effect.
+    gains: dict[str, Gain] = field(default_factory=dict)
     #: Log of the chance of the strongest evidence within its family of tests.
     nearest: float = 0.0
     unexplained: Candidate | None = None
@@ -142,8 +146,10 @@ def about_format(state: Investigation) -> None:
         rebin(state)
     if made.coarse:
         state.name_once(Finding("output_rounding", -1e3, 0.0))
+        state.gains["output_rounding"] = of_codes(usable(state.values, state.pieces), made.width)
     if made.rails:
         state.name_once(Finding("saturation", -1e3, 0.0))
+        state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
     # Rounding is white noise behind any filter, however little.
     state.foreign += made.width**2 / 12
     refit(state)
