@@ -120,10 +120,6 @@ class SampleHold(Effect):
     def scored(self, device):
         return {"repeat": 1 / (1 - self.chance)}
 
-    def coefficients(self, device):
-        held = (1 + self.chance) / (1 - self.chance)
-        return {"N": device.term("N") * float(np.sqrt(held))}
-
 
 @dataclass(frozen=True)
 class DroppedSamples(Effect):

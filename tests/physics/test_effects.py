@@ -228,7 +228,7 @@ def test_a_first_order_filter_folds_as_its_closed_form():
         frequency = np.linspace(0, 50, 11)
         x = 2 * np.pi * cutoff * DT
         expected = x / 2 * np.sinh(x) / (np.cosh(x) - np.cos(2 * np.pi * frequency * DT))
-        found = made(LowPass, cutoff, 1.0).gain(jnp.asarray(frequency), DT)
+        found = made(LowPass, cutoff, 1.0).folded(jnp.asarray(frequency), DT)
         np.testing.assert_allclose(found, expected, atol=4e-5 * (cutoff * DT) ** 2 + 1e-9)
 
 
@@ -237,12 +237,27 @@ def test_a_filter_passes_the_power_of_its_noise_bandwidth(order):
     """f_c (pi/2 m)/sin(pi/2 m), folded or not."""
     for cutoff in (4.0, 45.0, 200.0):
         low_pass = made(LowPass, cutoff, order)
-        found = band_integral(lambda f, each=low_pass: np.asarray(each.gain(jnp.asarray(f), DT)))
+        found = band_integral(lambda f, each=low_pass: np.asarray(each.folded(jnp.asarray(f), DT)))
         angle = np.pi / (2 * order)
         # The rest that is integrated and not summed.
         rest = 4e-4 * order * (cutoff * DT / 16) ** (2 * order - 1)
         assert found == pytest.approx(cutoff * angle / np.sin(angle), rel=1e-7 + rest)
+        assert float(low_pass.gain(jnp.asarray(0.0), DT)) == pytest.approx(1)
     assert float(low_pass.passed(jnp.asarray(200.0), DT)) == pytest.approx(0.5)
+
+
+def test_a_first_order_filter_before_an_average():
+    """Lag covariances of interval means of exp(-|t|/c), by integration: (1 - e^-x)^2/x^2 at one."""
+    low_pass, x = made(LowPass, 30.0, 1.0), 2 * np.pi * 30.0 * DT
+    lag = np.array([0, 1, 2])
+
+    def wave(frequency):
+        folded = np.asarray(low_pass.folded(jnp.asarray(frequency), DT, "averaged"))
+        return 2 * DT * folded * np.cos(2 * np.pi * frequency * DT * lag[:, None])
+
+    near = (1 - np.exp(-x)) ** 2 / x**2
+    expected = [2 * (x - 1 + np.exp(-x)) / x**2, near, near * np.exp(-x)]
+    np.testing.assert_allclose(band_integral(wave), np.array(expected) * x / 2, atol=2e-4)
 
 
 def test_held_values_have_their_autocovariance():

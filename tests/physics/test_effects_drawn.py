@@ -154,7 +154,7 @@ def test_another_recipe_of_a_filter():
         white = random.standard_normal((200, 16 * 1100)) * np.sqrt(0.5 * 16 / DT)
         fine = sosfilt(butter(order, cutoff, fs=16 / DT, output="sos"), white)
         low_pass = made(LowPass, cutoff, order)
-        assert agrees(fine[:, 16 * 76 :: 16], lambda f, each=low_pass: each.gain(f, DT))
+        assert agrees(fine[:, 16 * 76 :: 16], lambda f, each=low_pass: each.folded(f, DT))
         assert not agrees(fine[:, 16 * 76 :: 16], lambda f, each=low_pass: each.passed(f, DT))
 
 

@@ -100,9 +100,8 @@ def _finding(state: Investigation, name: str) -> Finding | None:
 def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> list[Effect]:
     kinds, samples = state.model.kinds, state.data.samples
     found = []
-    if kinds.filtering and kinds.shaping is not None:
-        three = draws.theta[:, 4:7].T
-        cutoff, order = (np.asarray(each) for each in shape_of(kinds.shaping, three, samples))
+    if draws.filtering is not None:
+        cutoff, order = draws.filtering.T
         own, others = _probabilities(_finding(state, "low_pass"), "low_pass")
         found.append(
             Effect(
@@ -148,8 +147,8 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 Effect(name, own, others, {"exponent": first, "density": density}, {}, None)
             )
         else:
-            middle, width = float(np.median(first)) / dt, float(np.median(second)) / dt
-            values = {"amplitude": size, "frequency": first / dt, "width": second / dt}
+            middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt
+            values = {"amplitude": size, "frequency": first / dt, "width": first * second / dt}
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect(name, own, others, values, {}, band))
     return found

@@ -221,8 +221,10 @@ def loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:
     changing = state.modulation
     assert changing is not None
     start, stop = state.longest
-    mean = state.variance
-    quiet = float(np.mean(mean[mean.size // 2 :]) / 2)
+    share = float(changing.loud.mean())
+    added = (changing.ratio**2 - 1) / (1 + share * (changing.ratio**2 - 1))
+    # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
+    whitened = float(np.mean(2 / state.variance))
     column = np.zeros(state.values.size)
-    column[start:stop] = np.where(changing.loud, (changing.ratio**2 - 1) * quiet, 0.0)
+    column[start:stop] = np.where(changing.loud, added / whitened, 0.0)
     return (column - column[start:stop].mean())[:, None]

@@ -13,14 +13,16 @@ from jaxtyping import Float
 
 from ..identify._posterior import _ABSENCE
 from ._climb import log_slopes, parts
-from ._search import Model
-from ._structure import EACH, FLOOR, TERMS, Data, active
+from ._search import Model, best
+from ._structure import EACH, FILTERS, FLOOR, TERMS, Data, active, bounds, free, shape_of
 
 _WALKERS = 32
 _BURN_IN = 500
 _STEPS = 700
 _THIN = 5
 _LOST = 12.0
+# A kind of filter that is less likely is not sampled.
+_OPEN = 0.02
 _SMALLEST = float(np.log(0.05**2))
 _MOVES = [(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)]
 
@@ -32,14 +34,50 @@ class Draws(NamedTuple):
     power: Float[np.ndarray, "draws terms"]
     #: All parameters, as `Model.theta`, shape (draws, parameters).
     theta: Float[np.ndarray, "draws parameters"]
+    #: Cut-off frequency [cycles per sample] and order of a filter, shape (draws, 2), or none.
+    filtering: Float[np.ndarray, "draws two"] | None = None
 
 
 def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False) -> Draws:
     """Draw the coefficients and the parameters of all effects of a structure.
 
-    `quick` is a quarter of the work, for rough intervals.
+    A filter before the converter looks like one behind it, of another cut-off: the draws are of
+    all kinds that the data leave open, each as often as its likelihood says. `quick` is a quarter
+    of the work, for rough intervals.
     """
-    kinds, best = model.kinds, model.theta
+    if not model.kinds.filtering:
+        return _sample(model, data, seed, quick)
+    models = [model, *_other_filters(model, data)]
+    least = min(each.deviance for each in models)
+    weights = np.exp([(least - each.deviance) / 2 for each in models])
+    weights /= weights.sum()
+    parts, rng = [], np.random.default_rng(seed)
+    for each, weight in zip(models, weights, strict=True):
+        if weight > _OPEN:
+            drawn = _sample(each, data, seed, quick)
+            kept = rng.random(len(drawn.power)) < weight / weights.max()
+            three = drawn.theta[kept, TERMS : TERMS + EACH].T
+            two = shape_of(each.kinds.shaping or "", three, data.samples)
+            parts.append((drawn.power[kept], drawn.theta[kept], np.stack(two, axis=1)))
+    return Draws(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _other_filters(model: Model, data: Data) -> list[Model]:
+    """The same structure with filters of the other kinds."""
+    three = model.theta[TERMS : TERMS + EACH]
+    cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    starts = []
+    for kind in FILTERS:
+        if kind != model.kinds.shaping:
+            limits = bounds(kind, data.samples)
+            theta = model.theta.copy()
+            theta[TERMS + 1 : TERMS + 3] = free(cutoff, *limits[0]), free(order, *limits[1])
+            starts.append((model.kinds._replace(shaping=kind), theta))
+    return best(starts, data)
+
+
+def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
+    kinds, top = model.kinds, model.theta
     terms = np.asarray(data.terms)
     effects = active(kinds, terms)[TERMS:]
     place = np.concatenate([np.flatnonzero(terms), TERMS + np.flatnonzero(effects)])
@@ -51,7 +89,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
     shape, density = np.asarray(data.bins.shape), np.asarray(data.bins.density)
 
     def unpacked(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, "walkers parameters"]:
-        theta = np.tile(best, (len(x), 1))
+        theta = np.tile(top, (len(x), 1))
         theta[:, place[count:]] = x[:, count:]
         power = (scale * np.sinh(x[:, :count])) ** 2
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
@@ -80,7 +118,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
                     u = theta[:, index]
                     value += -np.abs(u) - 2 * np.log1p(np.exp(-np.abs(u)))
             for index in sizes:
-                value = np.where(theta[:, index] < best[index] + _SMALLEST, -np.inf, value)
+                value = np.where(theta[:, index] < top[index] + _SMALLEST, -np.inf, value)
         return np.where(np.isfinite(value), value, -np.inf)
 
     rng = np.random.default_rng(seed)

@@ -159,7 +159,7 @@ def _shapes(name: str, data: Data, peaks) -> list[tuple[float, float]]:
     if name == "resonance":
         broad = [(f, 2.0) for f in np.geomspace(8 / samples, 0.4, 8)]
         return broad + [(f, f / (2 * w)) for f, w in peaks]
-    return list(peaks)
+    return [(f, w / f) for f, w in peaks]
 
 
 def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:

@@ -98,8 +98,8 @@ def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamina
     grid = np.linspace(2, 12, 2001) * value[2]
     body, spikes = densities(best.x, heavy, grid)
     threshold = float(grid[np.argmax(spikes > body)]) if np.any(spikes > body) else np.inf
-    # Fraction and size are free only where there are spikes; ten places to look for them.
-    chance = float(min(1.0, 10 * chi2.sf(gain, 2)))
+    # Fraction and size are free only where there are spikes.
+    chance = float(chi2.sf(gain, 2))
     return Contamination(*value, heavy, threshold, found, gain if sigma else 0.0, chance)
 
 

@@ -31,8 +31,9 @@ from ._ordinates import _NODES, Bins, averaged
 
 #: Noises that a structure may add, and what may shape it, by name.
 ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, DriftingLine)}
-#: In front of the converter, so that what passes folds; or behind it, in the sensor's processor.
-FILTERS = ("low_pass", "digital_low_pass")
+#: In front of the converter, which takes values or averages, so that what passes folds; or behind
+#: it, in the sensor's processor.
+FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
 TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
@@ -47,7 +48,7 @@ class Kinds(NamedTuple):
     Its parameters are the log powers of Q, N, B, K, then three numbers of each effect.
     """
 
-    #: "low_pass", "digital_low_pass", "bump" or none.
+    #: One of `FILTERS`, "bump" or none.
     shaping: str | None = None
     #: Names of the added noises, in the order of their parameters.
     added: tuple[str, ...] = ()
@@ -88,10 +89,13 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     return {
         # Slower than a sixth of the record it is a random walk or a ramp.
         "gauss_markov": ((0.2, samples / 6), (0.5, 2.0)),
-        "resonance": ((2 / samples, 0.499), (0.6, 3000.0)),
+        # With less quality it hardly swings, and is a relaxation to all who look at it.
+        "resonance": ((2 / samples, 0.499), (1.5, 3000.0)),
         "power_law": ((0.15, 2.95), (0.5, 2.0)),
-        "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.05)),
+        # The width is relative: a line wider than a third of its frequency is none.
+        "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.3)),
         "low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
     }[name]
@@ -135,7 +139,9 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
                 # A sharp choice of the broader: nodes see a peak that is as broad as its bin.
                 broad = (second**-4.0 + (b / first) ** 4) ** -0.25
                 return Resonance(one, first, broad).density(f, 1.0, "point")
-            return DriftingLine(one, first, jnp.hypot(second, b / 4)).density(f, 1.0, "point")
+            return DriftingLine(one, first, jnp.hypot(first * second, b / 4)).density(
+                f, 1.0, "point"
+            )
 
         density = averaged(jax.vmap(peak)(nodes, breadth))
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
@@ -144,9 +150,10 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
 def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
     """|H|^2 with aliases of white noise, |H|^2 itself, the bump; one where there is none."""
     middle = jnp.asarray(nodes)[:, 1]
-    if shaping == "low_pass":
-        sieve = LowPass(*shape_of("low_pass", three, samples))
-        return sieve.gain(middle, 1.0), sieve.passed(middle, 1.0), jnp.ones_like(middle)
+    if shaping in ("low_pass", "averaged_low_pass"):
+        sieve = LowPass(*shape_of(shaping, three, samples))
+        folded = sieve.gain(middle, 1.0, "point" if shaping == "low_pass" else "averaged")
+        return folded, sieve.passed(middle, 1.0), jnp.ones_like(middle)
     if shaping == "digital_low_pass":
         # Butterworth by the bilinear transform, at the output rate: nothing folds.
         cutoff, order = shape_of(shaping, three, samples)

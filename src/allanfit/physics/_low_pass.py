@@ -17,9 +17,10 @@ _ALIASES = 16
 class LowPass(AbstractFilter):
     """|H|^2 = 1/(1 + (f/f_c)^(2 order)): Butterworth, f_c at -3 dB, of any order above 1/2.
 
-    White noise through an analogue filter keeps what passes beyond the Nyquist frequency f_N as
-    aliases, so that its gain at low frequency exceeds one where f_c is near f_N or above. Cut-off
-    frequencies up to 8 sampling rates have their aliases right.
+    White noise through an analogue filter keeps what passes beyond the Nyquist frequency as
+    aliases. The density N of a sensor with a filter is what it shows at low frequency, aliases
+    included, so that the gain is one there whatever the cut-off. Those up to 8 sampling rates have
+    their aliases right.
     """
 
     cutoff_frequency: Float[Array, ""]
@@ -32,14 +33,27 @@ class LowPass(AbstractFilter):
     what: ClassVar[str] = "a low-pass filter"
     origin: ClassVar[str] = "the sensor's own digital or analogue filter"
 
-    def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
-        """Sum over j of |H(f + j/dt)|^2."""
+    def gain(
+        self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
+    ) -> Float[Array, "*shape"]:
+        """The folded |H|^2, as a multiple of what it is at zero frequency."""
+        still = jnp.zeros_like(frequency, shape=())
+        return self.folded(frequency, dt, sampling) / self.folded(still, dt, sampling)
+
+    def folded(
+        self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
+    ) -> Float[Array, "*shape"]:
+        """Sum over j of |H(f + j/dt)|^2, times sinc^2 there where samples are averages."""
 
         def add(total, alias):
-            return total + self.passed(frequency + alias / dt, dt), None
+            image = frequency + alias / dt
+            seen = jnp.sinc(image * dt) ** 2 if sampling == "averaged" else 1.0
+            return total + self.passed(image, dt) * seen, None
 
         aliases = jnp.arange(-_ALIASES, _ALIASES + 1, dtype=frequency.dtype)
         near = jax.lax.scan(add, jnp.zeros_like(frequency * self.order), aliases)[0]
+        if sampling == "averaged":
+            return near
         edge = (_ALIASES + 0.5) / dt
         return near + dt * (self._beyond(edge + frequency) + self._beyond(edge - frequency))
 
@@ -53,7 +67,7 @@ class LowPass(AbstractFilter):
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
     ) -> Float[Array, " samples"]:
         """White noise filtered, aliases and all; nothing is drawn."""
-        return filtered(samples, lambda frequency: self.gain(frequency, dt), dt)
+        return filtered(samples, lambda frequency: self.gain(frequency, dt, sampling), dt)
 
     def _beyond(self, edge: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
         """Integral of |H|^2 from `edge` on, by its series in falling powers [Hz]."""
