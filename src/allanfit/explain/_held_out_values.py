@@ -12,10 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.stats import norm
 
-from ._spread import contamination, log_mixture, modulation
+from ._spread import PULLED_IN, contamination, log_mixture, modulation
 
-# As `_spread` does where variances are compared: a spike is no loud time.
-_PULLED_IN = 4.0
 # Within this part of a code's width a value lies on a code.
 _ON_CODE = 0.02
 # Events are dealt out by so many samples at once, for they may come at every other one.
@@ -82,7 +80,28 @@ def of_loud_times(white: Float[np.ndarray, " samples"], seed: int) -> Gain:
         scale = np.where(loud, known[loud].std(), known[~loud].std())
         return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=known.std())
 
-    return _crossed(np.clip(white, -_PULLED_IN, _PULLED_IN), differences)
+    return _crossed(np.clip(white, -PULLED_IN, PULLED_IN), differences)
+
+
+def of_times(white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samples"]) -> Gain:
+    """As `of_loud_times`, where short spectra told when it is loud."""
+    pulled = np.clip(white, -PULLED_IN, PULLED_IN)
+
+    def differences(known, scored, loud_known, loud_scored):
+        levels = known[~loud_known].std(), known[loud_known].std()
+        scale = np.where(loud_scored, levels[1], levels[0])
+        return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=known.std())
+
+    half = white.size // 2
+    halves = [(pulled[i : 2 * half : 2], loud[i : 2 * half : 2]) for i in (0, 1)]
+    return of_samples(
+        np.concatenate(
+            [
+                differences(one, other, loud_one, loud_other)
+                for (one, loud_one), (other, loud_other) in (halves, halves[::-1])
+            ]
+        )
+    )
 
 
 def _crossed(

@@ -4,17 +4,20 @@ import numpy as np
 from jaxtyping import Float
 
 from . import _means, _search
+from ._bursts import Burst, bursts
 from ._chance import course_log_chance
-from ._held_out_values import of_loud_times, of_spikes
+from ._held_out_values import of_loud_times, of_spikes, of_times
 from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
-from ._spread import Contamination, Modulation, contamination, modulation, runs
+from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation, runs
 from ._state import Finding, Investigation, add_course, rebin, refit, whitened_piece, with_course
 from ._whiten import level
 
 # Loud for less of the record, and by more, is a knock and no change of the noise.
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 _MARGIN = 2
+# Brief disturbances that fill more than this are no brief ones, but noise that changes.
+_BRIEF_SHARE = 0.02
 _MOST_STEPS = 8
 # As far as a scan for a step in white noise goes.
 _STEP_PATH = 100.0
@@ -46,23 +49,29 @@ def about_spread(state: Investigation, seed: int) -> bool:
         if share < _KNOCK_SHARE and _steps_instead(state, piece, changing):
             return about_spread(state, seed)
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
-            pulled = changing.window * _MARGIN
-            state.knocks = [
-                (piece[0] + max(a - pulled, 0), piece[0] + min(b + pulled, changing.loud.size))
-                for a, b in runs(changing.loud)
-            ]
-            detail = changing
-            state.findings.append(
-                Finding("disturbance", np.log(max(changing.p_value, 1e-300)), 0.0, {}, detail)
-            )
-            state.gains["disturbance"] = of_loud_times(white, seed)
+            _knock(state, piece, changing, white, seed)
             return True
     if loud:
         state.modulation = changing
         even = white / np.where(changing.loud, changing.ratio, 1.0)
-        even = even / np.std(np.clip(even, -4, 4))
+        even = even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
     else:
         even = white
+    brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN))
+    state.witnesses.append(
+        {
+            "name": "bursts",
+            "statistic": brief.ratio,
+            "p_value": float(np.exp(brief.log_p)),
+            "sentence": "Short spectra of the whitened record, scanned for tiles that stand out.",
+        }
+    )
+    if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < _BRIEF_SHARE:
+        knocked = _as_modulation(white, brief)
+        if _steps_instead(state, piece, knocked):
+            return about_spread(state, seed)
+        _knock(state, piece, knocked, white, seed)
+        return True
     spiky = contamination(even, seed)
     state.witnesses.append(
         {
@@ -106,6 +115,34 @@ def about_spread(state: Investigation, seed: int) -> bool:
     if loud or state.contamination is not None:
         refit(state)
     return False
+
+
+def _knock(
+    state: Investigation,
+    piece: tuple[int, int],
+    changing: Modulation,
+    white: Float[np.ndarray, " samples"],
+    seed: int,
+) -> None:
+    """The loud times are a disturbance, to be cut out with a margin."""
+    pulled = changing.window * _MARGIN
+    state.knocks = [
+        (piece[0] + max(a - pulled, 0), piece[0] + min(b + pulled, changing.loud.size))
+        for a, b in runs(changing.loud)
+    ]
+    log_p = float(np.log(max(changing.p_value, 1e-300)))
+    state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
+    state.gains["disturbance"] = of_times(white, changing.loud)
+
+
+def _as_modulation(white: Float[np.ndarray, " samples"], brief: Burst) -> Modulation:
+    """Brief loud times in the words of lasting ones."""
+    loud, quiet = white[brief.loud].std(), white[~brief.loud].std()
+    ratio = float(loud / quiet)
+    draws = np.full(1, ratio)
+    return Modulation(
+        ratio, draws, brief.loud, max(brief.window // 4, 1), float(np.exp(brief.log_p))
+    )
 
 
 def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:

@@ -13,7 +13,7 @@ from scipy.stats import chi2, norm
 from scipy.stats import t as student
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
-_PULLED_IN = 4.0
+PULLED_IN = 4.0
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
 # Windows of at most this many are told apart by the hidden Markov model.
@@ -147,7 +147,7 @@ def _draws(negative, at: Float[np.ndarray, " k"], seed: int) -> Float[np.ndarray
 def local_power(white: Float[np.ndarray, " samples"], window: int) -> Float[np.ndarray, " windows"]:
     """Mean square in windows, spikes pulled in."""
     count = white.size // window
-    pulled = np.clip(white[: count * window], -_PULLED_IN, _PULLED_IN)
+    pulled = np.clip(white[: count * window], -PULLED_IN, PULLED_IN)
     return np.mean(pulled.reshape(count, window) ** 2, axis=1)
 
 
@@ -158,7 +158,7 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int]:
     one square over m, whatever the distribution: their sum of squares is chi-square with W - 1
     degrees of freedom. Windows double in length; Bonferroni over them.
     """
-    squares = np.clip(white, -_PULLED_IN, _PULLED_IN) ** 2
+    squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     one = float(np.var(squares))
     best, at, levels = 1.0, _SHORTEST_WINDOW, 0
     window = _SHORTEST_WINDOW

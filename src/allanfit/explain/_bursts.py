@@ -1,0 +1,69 @@
+"""Brief disturbances: power that stands out in a tile of time and frequency.
+
+A knock rings at its own frequency for a second. Averaged over all frequencies, or over the whole
+record, it drowns; a short spectrum at its time shows it. Windows of 16, 32, ... samples are looked
+at, bells and decays; where the record is white and lasts, each ordinate is exponential with mean
+one.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.signal.windows import hann
+
+# From a few samples to what rings for long.
+_WINDOWS = tuple(2**k for k in range(4, 11))
+# Slower than so many periods in its window, an ordinate may belong to a step or a drift.
+_FEWEST_PERIODS = 3
+# A row of tiles this much above one on the median has a level of its own, by a line or a resonance.
+_OWN_LEVEL = 1.3
+# A window belongs to a disturbance from this log chance on, once one stands out.
+_BESIDE = float(np.log(0.05))
+# Independent places for each sample, shape and length of window.
+_TRIALS = 2.0
+# A decay falls by this many powers of e within its window.
+_DECAYS = 4.0
+
+
+class Burst(NamedTuple):
+    """Where some tiles stand out."""
+
+    #: Which samples belong to such windows.
+    loud: Bool[np.ndarray, " samples"]
+    #: Log of the chance that the strongest tile of all is as strong.
+    log_p: float
+    #: The strongest tile's power over what is expected.
+    ratio: float
+    #: Samples of its window.
+    window: int
+
+
+def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
+    """Look for disturbances in a whitened record whose spikes are pulled in."""
+    loud = np.zeros(white.size, bool)
+    windows = [
+        (shape, hop, fewest)
+        for width in _WINDOWS
+        if white.size >= 64 * width
+        for shape, hop, fewest in (
+            (hann(width, sym=False), width // 2, _FEWEST_PERIODS),
+            # With fewer periods a decay's ordinates are no circular noise any more.
+            (np.exp(-_DECAYS * np.arange(width) / width), width // 8, 4 * _FEWEST_PERIODS),
+        )
+        if 2 * fewest < width // 2
+    ]
+    trials = np.log(_TRIALS * max(white.size, 2) * max(len(windows), 1))
+    best = Burst(loud, 0.0, 1.0, _WINDOWS[0])
+    for shape, hop, fewest in windows:
+        frames = np.lib.stride_tricks.sliding_window_view(white, shape.size)[::hop]
+        spectra = np.fft.rfft(frames * (shape / np.sqrt(np.sum(shape**2))))
+        power = np.abs(spectra[:, fewest : spectra.shape[1] - fewest]) ** 2
+        own = np.median(power, axis=0) / np.log(2)
+        strongest = (power / np.where(own > _OWN_LEVEL, own, 1.0)).max(axis=1)
+        for at in np.flatnonzero(trials - strongest < _BESIDE):
+            loud[at * hop : at * hop + shape.size] = True
+        log_p = float(min(0.0, trials - strongest.max()))
+        if log_p < best.log_p:
+            best = Burst(loud, log_p, float(strongest.max()), shape.size)
+    return best
