@@ -12,6 +12,7 @@ from ._spread import runs
 from ._state import Finding, Investigation
 from ._structure import EACH, added_density, shape_of
 from ._telegraph import two_levels
+from ._unknown import Unknown
 
 # A slow oscillation of such a period is more likely a room's temperature than anything else.
 _ROOM_PERIOD_S = 240.0
@@ -54,6 +55,10 @@ class Effect:
     lists: dict[str, list[Any]] = field(default_factory=dict)
     #: Where it shows [Hz], for the figures.
     band_hz: tuple[float, float] | None = None
+    #: What is known of it beside its parameters.
+    note: str = ""
+    #: Whether it shows in time alone.
+    in_time: bool = False
 
     def value(self, name: str) -> float:
         """The median of a parameter."""
@@ -77,7 +82,25 @@ def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) 
     found += _courses(state, dt, rng)
     if draws is not None:
         found += _structural(state, draws, dt, seed)
-    return _merged(found)
+    named = [effect for effect in found if not _disowned(state, effect, dt)]
+    return _merged(named) + [_unknown(unknown, dt) for unknown in state.unknown]
+
+
+def _disowned(state: Investigation, effect: Effect, dt: float) -> bool:
+    if effect.name == "sinusoid":
+        lines = np.array(state.disowned_lines) / dt
+        return bool(
+            np.any(np.abs(lines - effect.value("frequency")) < 0.1 / state.values.size / dt)
+        )
+    return effect.name in state.disowned
+
+
+def _unknown(unknown: Unknown, dt: float) -> Effect:
+    middle, width = unknown.frequency / dt, unknown.width
+    values = {"height": unknown.height, "frequency": middle, "width": width}
+    band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
+    draws = {name: np.full(2, value) for name, value in values.items()}
+    return Effect("bump", _LINE, {}, draws, {}, band, unknown.why, unknown.in_time)
 
 
 def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, float]]:
@@ -90,6 +113,8 @@ def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str,
     total = sum(weights.values())
     shares = {rival: float(weight / total) for rival, weight in weights.items()}
     own = min(shares.pop(name), _SURE)
+    # What has no name takes its share, but is no rival that a measurement could tell apart.
+    shares.pop("bump", None)
     return own, {rival: share for rival, share in shares.items() if share > 0.005}
 
 

@@ -104,6 +104,22 @@ def of_times(white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samp
     )
 
 
+def of_swing(white: Float[np.ndarray, " samples"], period: float) -> Gain:
+    """Noise whose variance swings with a period [samples], against one that does not."""
+    pulled = np.clip(white, -PULLED_IN, PULLED_IN)
+    angle = 2 * np.pi * np.arange(white.size) / period
+    waves = np.column_stack([np.cos(angle), np.sin(angle)])
+    half = white.size // 2
+    gains = []
+    for known, scored in ((0, 1), (1, 0)):
+        squares, other = (pulled[i : 2 * half : 2] ** 2 for i in (known, scored))
+        level = squares.mean()
+        size = 2 * (squares / level - 1) @ waves[known : 2 * half : 2] / half
+        swing = np.maximum(1 + waves[scored : 2 * half : 2] @ size, 0.05)
+        gains.append(-(np.log(swing) + other / level * (1 / swing - 1)) / 2)
+    return of_samples(np.concatenate(gains))
+
+
 def _crossed(
     white: Float[np.ndarray, " samples"], differences: Callable[..., Float[np.ndarray, " half"]]
 ) -> Gain:

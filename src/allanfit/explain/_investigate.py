@@ -14,6 +14,7 @@ from ._chance import log_chance
 from ._lasting import about_spread, loudness, without
 from ._rounds import take_one
 from ._state import Finding, Investigation, about_format, begin, resize
+from ._unknown import look_again
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008
@@ -57,6 +58,7 @@ def investigate(
         if not take_one(state, drivers):
             break
     _reconsider(state)
+    look_again(state)
     _leftover(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
@@ -77,7 +79,7 @@ def _reconsider(state: Investigation) -> None:
 
 def _leftover(state: Investigation) -> None:
     """What nothing of the catalogue explains, as a smooth bump."""
-    found = _search.bumps(state.model, state.data)
+    found = _search.bumps(state.model, state.data) if state.unexplained is None else []
     if found and log_chance("bump", found[0].gain) < np.log(state.alarm):
         state.unexplained = found[0]
         state.model = found[0].model

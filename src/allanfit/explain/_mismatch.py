@@ -13,6 +13,7 @@ from ._state import Finding, Investigation
 # Part of the evidence that a reported band holds.
 _INSIDE = 0.8
 _CHANCE_FLOOR = 1e-300
+_IN_TIME = ("step", "warm_up", "disturbance", "variance_modulation")
 
 
 def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> list[dict[str, Any]]:
@@ -21,7 +22,7 @@ def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> li
     for effect in effects:
         finding = _finding(state, effect.name)
         chance = math.exp(max(finding.log_p, math.log(_CHANCE_FLOOR))) if finding else 0.0
-        if effect.name in ("step", "warm_up", "disturbance", "variance_modulation"):
+        if effect.name in _IN_TIME or effect.in_time:
             entries.append(_in_time(state, effect, chance, dt))
         else:
             entries.append(_in_frequency(state, effect, chance, dt))
@@ -39,6 +40,8 @@ def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> 
     if effect.name == "warm_up":
         low, high = 0.0, min(3 * effect.value("time_constant"), end)
         ratio = 1.0
+    elif effect.in_time:
+        low, high, ratio = 0.0, end, 1.0
     elif effect.name == "step":
         low, high = min(effect.lists["times"]), max(effect.lists["times"])
         ratio = 1.0

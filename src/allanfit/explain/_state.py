@@ -68,6 +68,10 @@ class Investigation:
     #: Log of the chance of the strongest evidence within its family of tests.
     nearest: float = 0.0
     unexplained: Candidate | None = None
+    #: What has no name, and the names and lines [cycles per sample] that are not what they seem.
+    unknown: list[Any] = field(default_factory=list)
+    disowned: set[str] = field(default_factory=set)
+    disowned_lines: list[float] = field(default_factory=list)
 
     @property
     def left(self) -> Ordinates:
@@ -197,7 +201,9 @@ def resize(state: Investigation) -> None:
     state.model, state.data = state.sized.model, state.sized.data
 
 
-def whitened_piece(state: Investigation, piece: tuple[int, int], notches=()) -> np.ndarray:
-    """A stretch less the courses, made white."""
-    expected = level(state.left, state.variance)
+def whitened_piece(
+    state: Investigation, piece: tuple[int, int], notches=(), *, model_only: bool = False
+) -> np.ndarray:
+    """A stretch less the courses, made white; by the model alone, or by what is left of it too."""
+    expected = state.variance if model_only else level(state.left, state.variance)
     return whitened(state.calm[piece[0] : piece[1]], state.left, expected, notches)

@@ -69,8 +69,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         "sample_hold": lambda: (
             f"Each fresh value is repeated, {told('repeat')} samples of it on average: the sensor "
             "is read faster than it measures. N is that of the fresh values at the rate of the "
-            f"log; a filter that takes all samples meets a white noise sqrt({told('repeat')}) "
-            "times as large at low frequency."
+            "log; a filter that takes all samples meets a larger white noise at low frequency."
         ),
         "saturation": lambda: (
             f"The output is clipped at {told('limit')}, which hides part of the noise."
@@ -92,8 +91,11 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             "the time stamps."
         ),
         "bump": lambda: (
-            f"Nothing of the catalogue explains a {'surplus' if _height(shown) > 0 else 'lack'} "
-            f"of power about {told('frequency')}; a smooth bump stands for it."
+            f"The catalogue has no name for it: {effect.note}."
+            if effect.note
+            else "Nothing of the catalogue explains a "
+            f"{'surplus' if _height(shown) > 0 else 'lack'} of power about {told('frequency')}; "
+            "a smooth bump stands for it."
         ),
     }
     return sentences[effect.name]()

@@ -1,0 +1,237 @@
+"""What is there but is no effect of the catalogue, though one may describe it best.
+
+Each cause outside the catalogue that engineers meet has a name nearest to it: a sweep looks like a
+drifting line, a line in bursts like many lines, a filter that changes like noise that changes. The
+name is right only if what else it says is so too.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import chi2
+
+from . import _search
+from ._chance import score
+from ._held_out_values import of_swing
+from ._search import Candidate, Model
+from ._state import Finding, Investigation, whitened_piece
+from ._structure import EACH, added_density, shape_of
+
+# Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
+_INSIDE = 2 * float(np.log(19))
+_SEGMENTS = 16
+# A sweep's time and frequency go together by as much, of what a perfect one would show.
+_SWEPT = 0.6
+_CLEAR = 4.0
+# Lines of one comb lie as close, and there are as many.
+_CLOSE = 0.05
+_FEWEST_TEETH = 3
+# A swing of the noise is looked for between so many periods and so few samples a period.
+_FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
+_TILE = 256
+_BANDS = 12
+# A changing spectrum must be as unlikely under a change of white noise.
+_RESHAPED = 1e-6
+
+
+class Unknown(NamedTuple):
+    """Something without a name: where, how large, and why what describes it best is not it."""
+
+    #: The middle [cycles per sample], the width in e-folds, the height in e-folds of density.
+    frequency: float
+    width: float
+    height: float
+    why: str
+    #: Whether it shows in time alone.
+    in_time: bool = False
+
+
+def look_again(state: Investigation) -> None:
+    """Take back the names of what is something else, and say so; the model keeps its shape."""
+    _combs(state)
+    _sweeps(state)
+    _other_spectrum(state)
+    _bump_instead(state)
+
+
+def _combs(state: Investigation) -> None:
+    """Lines at equal distances within a narrow band: one line that comes and goes."""
+    lines = sorted(c.shape["frequency"] for c in state.courses if c.name == "sinusoid")
+    group: list[float] = []
+    for line in [*lines, np.inf]:
+        if group and line > group[0] * (1 + _CLOSE):
+            if len(group) >= _FEWEST_TEETH and _even(group, state.spectrum.longest):
+                _comb(state, group)
+            group = []
+        group.append(line)
+
+
+def _even(lines: list[float], samples: int) -> bool:
+    gaps = np.diff(lines)
+    multiples = gaps / gaps.min()
+    # Each line is known to a fraction of 1/T, and so is their distance.
+    slack = np.maximum(0.1, 0.7 / samples / gaps.min() * multiples)
+    return bool(np.all(np.abs(multiples - np.round(multiples)) < slack))
+
+
+def _comb(state: Investigation, lines: list[float]) -> None:
+    middle, gap = float(np.mean(lines)), float(np.diff(lines).min())
+    width = float(np.log(lines[-1] / lines[0])) / 2
+    state.disowned_lines += lines
+    state.unknown.append(
+        Unknown(
+            middle, max(width, 1e-6), 0.0,
+            f"{len(lines)} lines at equal distances are one line that comes and goes, every "
+            f"{1 / gap:.5g} samples",
+        )
+    )  # fmt: skip
+
+
+def _sweeps(state: Investigation) -> None:
+    kinds, samples = state.model.kinds, float(state.data.samples)
+    for place, name in enumerate(kinds.added):
+        if name not in ("drifting_line", "resonance"):
+            continue
+        begin = kinds.first_slot + EACH * place
+        three = state.model.theta[begin : begin + EACH]
+        first, second = (float(each) for each in shape_of(name, three, samples))
+        width = first * second if name == "drifting_line" else first / second
+        if _swept(state, name, three, first, width):
+            state.disowned.add(name)
+            state.unknown.append(
+                Unknown(
+                    first, max(width / first, 1e-6), 0.0,
+                    "a line that sweeps through the band in the course of the recording",
+                )
+            )  # fmt: skip
+
+
+def _swept(state: Investigation, name: str, three, middle: float, width: float) -> bool:
+    """Whether the power of a band moves through it evenly in time."""
+    white = whitened_piece(state, state.longest, model_only=True)
+    length = white.size // _SEGMENTS
+    frequency = np.fft.rfftfreq(length)
+    inside = np.abs(frequency - middle) < 3 * width
+    inside &= (frequency > 0) & (frequency < 0.5)
+    if inside.sum() < 4:
+        return False
+    segments = white[: length * _SEGMENTS].reshape(_SEGMENTS, length)
+    power = np.abs(np.fft.rfft(segments)[:, inside]) ** 2 / length
+    at = frequency[inside]
+    nodes = np.stack([at] * 3, axis=1)
+    own = np.asarray(added_density(name, three, nodes, float(state.data.samples)))
+    share = own / np.interp(at, state.left.frequency, state.variance)
+    time = (2 * np.arange(_SEGMENTS) + 1) / _SEGMENTS - 1
+    place = (at - middle) / width
+    together = float(time @ (power - 1) @ place)
+    deviation = float(np.sqrt(np.sum(time**2) * np.sum(place**2)))
+    # A perfect sweep is at each frequency when as much of the power lies below it.
+    when = 2 * (np.cumsum(share) - share / 2) / share.sum() - 1
+    most = _SEGMENTS * float(np.sum(share * place * when))
+    return abs(together) > _CLEAR * deviation and abs(together) > _SWEPT * most
+
+
+def _other_spectrum(state: Investigation) -> None:
+    """Noise that changes in time, but not by white noise that comes and goes."""
+    changing = state.modulation
+    if changing is None:
+        return
+    white = whitened_piece(state, state.longest, model_only=True)
+    tiles = white.size // _TILE
+    powers = np.abs(np.fft.rfft(white[: tiles * _TILE].reshape(tiles, _TILE))) ** 2 / _TILE
+    share = changing.loud[: tiles * _TILE].reshape(tiles, _TILE).mean(axis=1)
+    loud, quiet = powers[share > 0.99], powers[share < 0.01]
+    if min(len(loud), len(quiet)) < _BANDS:
+        return
+    edges = np.unique(np.geomspace(1, _TILE // 2, _BANDS + 1).round().astype(int))
+    count = np.diff(edges)
+    above = np.add.reduceat(loud.mean(axis=0), edges)[:-1] / count
+    below = np.add.reduceat(quiet.mean(axis=0), edges)[:-1] / count
+    # Whitened by their mean, white noise that is added weighs as one over the density there.
+    middle = np.sqrt(edges[:-1] * (edges[1:] - 1)) / _TILE
+    weight = 1 / np.interp(middle, state.left.frequency, state.variance)
+    variance = (above**2 / len(loud) + below**2 / len(quiet)) / count
+    difference = above - below
+    added = np.sum(difference * weight / variance) / np.sum(weight**2 / variance)
+    misfit = float(np.sum((difference - added * weight) ** 2 / variance))
+    if chi2.sf(misfit, count.size - 1) < _RESHAPED:
+        state.disowned |= {"variance_modulation", *state.model.kinds.names}
+        strongest = int(np.argmax(difference**2 / variance))
+        state.unknown.append(
+            Unknown(
+                float(middle[strongest]), 0.5, 0.0,
+                "the shape of the spectrum changes in time, and not only its level", True,
+            )
+        )  # fmt: skip
+
+
+def _bump_instead(state: Investigation) -> None:
+    """Whether a smooth bump describes the spectrum better than all that was named in it."""
+    kinds = state.model.kinds
+    if not kinds.names or kinds.shaping == "bump" or len(kinds.names) > 2:
+        return
+    if state.disowned & set(kinds.names):
+        return
+    bare = Model(kinds._replace(shaping=None, added=()), state.model.theta[:4], np.inf)
+    bare = _search.best([(bare.kinds, bare.theta)], state.data)[0]
+    found = _search.bumps(bare, state.data)
+    if not found:
+        return
+    bump = found[0]
+    named = sum(score(name, 0.0) for name in kinds.names) + bare.deviance - state.model.deviance
+    rival = score("bump", bump.gain) - _INSIDE
+    for finding in state.findings:
+        if finding.name in kinds.names and finding.rivals:
+            own = finding.rivals.get(finding.name, 0.0)
+            finding.rivals["bump"] = own + rival - named
+    if rival > named:
+        state.findings = [f for f in state.findings if f.name not in kinds.names]
+        state.unexplained = Candidate("bump", bump.model, bump.gain)
+        state.model = bump.model
+
+
+def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None:
+    """Period [samples] and log chance of noise whose strength swings, too fast for `_spread`.
+
+    The squares of a white record are white; a periodic strength is a line among them.
+    """
+    squares = white**2 - np.mean(white**2)
+    power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
+    usable = np.zeros(power.size, bool)
+    usable[_FEWEST_SWINGS : power.size * 2 // _FEWEST_SAMPLES] = True
+    if usable.sum() < _TILE:
+        return None
+    # A strong resonance makes the squares uneven: each stretch of them by its own median.
+    block = _TILE
+    starts = np.arange(0, power.size, block)
+    own = np.array([np.median(power[a : a + block]) for a in starts]) / np.log(2)
+    power = power / np.maximum(np.repeat(own, block)[: power.size], 1.0)
+    at = int(np.argmax(np.where(usable, power, 0.0)))
+    log_p = float(min(0.0, np.log(usable.sum()) - power[at]))
+    return white.size / at, log_p
+
+
+def about_swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
+    """Name noise whose strength swings as something that is not in the catalogue."""
+    found = swinging(white)
+    if found is None:
+        return
+    period, log_p = found
+    state.witnesses.append(
+        {
+            "name": "swing of the noise",
+            "statistic": period,
+            "p_value": float(np.exp(log_p)),
+            "sentence": "The squares of the whitened record, scanned for a period.",
+        }
+    )
+    if log_p < np.log(state.alarm):
+        state.findings.append(Finding("bump", log_p, 0.0))
+        state.gains["bump"] = of_swing(white, period)
+        state.unknown.append(
+            Unknown(
+                1 / period, 1e-3, 0.0,
+                f"the strength of the noise swings, with a period of {period:.5g} samples", True,
+            )
+        )  # fmt: skip
