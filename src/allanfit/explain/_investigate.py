@@ -81,5 +81,6 @@ def _leftover(state: Investigation) -> None:
     """What nothing of the catalogue explains, as a smooth bump."""
     found = _search.bumps(state.model, state.data) if state.unexplained is None else []
     if found and log_chance("bump", found[0].gain) < np.log(state.alarm):
+        state.nearest = min(state.nearest, log_chance("bump", found[0].gain))
         state.unexplained = found[0]
         state.model = found[0].model

@@ -12,6 +12,7 @@ from ._means import Course
 from ._ordinates import bin_edges
 from ._search import Candidate
 from ._state import Finding, Investigation, add_course, rebin, whitened_piece, with_course
+from ._structure import EACH, shape_of
 from ._whiten import level
 
 _MOST_LINES = 12
@@ -20,6 +21,9 @@ _LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
 _NARROW = ("resonance", "drifting_line")
+# Quality and relative width up to which they are usual, and the power with which they become rare.
+_USUAL = {"resonance": 150.0, "drifting_line": 0.01}
+_RARER = 1.5
 
 
 class Option(NamedTuple):
@@ -167,11 +171,26 @@ def _smooth_options(state: Investigation) -> list[Option]:
                 candidate.name,
                 log_chance(candidate.name, candidate.gain),
                 candidate.gain,
-                score(candidate.name, candidate.gain),
+                score(candidate.name, candidate.gain) + _plausibility(state, candidate),
                 take,
             )
         )
     return options
+
+
+def _plausibility(state: Investigation, candidate: Candidate) -> float:
+    """Twice the log of how usual such a narrow effect is: where spectra do not tell, engineers do.
+
+    A resonance that rings for hundreds of periods is rare in a sensor, and a line that wanders by
+    more than a hundredth is hardly a line.
+    """
+    if candidate.name not in _NARROW:
+        return 0.0
+    three = candidate.model.theta[-EACH:]
+    breadth = float(shape_of(candidate.name, three, state.data.samples)[1])
+    usual = _USUAL[candidate.name]
+    beyond = np.log(breadth / usual)
+    return -2 * _RARER * float(np.logaddexp(0.0, beyond))
 
 
 def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:

@@ -22,7 +22,7 @@ from ._structure import EACH, added_density, shape_of
 _INSIDE = 2 * float(np.log(19))
 _SEGMENTS = 16
 # A sweep's time and frequency go together by as much, of what a perfect one would show.
-_SWEPT = 0.6
+_SWEPT = 0.75
 _CLEAR = 4.0
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
@@ -123,7 +123,8 @@ def _swept(state: Investigation, name: str, three, middle: float, width: float) 
     own = np.asarray(added_density(name, three, nodes, float(state.data.samples)))
     share = own / np.interp(at, state.left.frequency, state.variance)
     time = (2 * np.arange(_SEGMENTS) + 1) / _SEGMENTS - 1
-    place = (at - middle) / width
+    # Where the line's own power is, each tile says most.
+    place = (at - middle) / width * share
     together = float(time @ (power - 1) @ place)
     deviation = float(np.sqrt(np.sum(time**2) * np.sum(place**2)))
     # A perfect sweep is at each frequency when as much of the power lies below it.
