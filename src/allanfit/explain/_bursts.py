@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.signal.windows import hann
+from scipy.stats import binom
 
 # From a few samples to what rings for long.
 _WINDOWS = tuple(2**k for k in range(4, 11))
@@ -22,6 +23,9 @@ _OWN_LEVEL = 1.3
 _BESIDE = float(np.log(0.05))
 # Independent places for each sample, shape and length of window.
 _TRIALS = 2.0
+# The share of windows that chance lifts above a level, and the chance of more of them from which on
+# it is no brief disturbance that does.
+_COMMON, _LASTING = 0.01, 1e-6
 # A decay falls by this many powers of e within its window.
 _DECAYS = 4.0
 
@@ -64,6 +68,13 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
         for at in np.flatnonzero(trials - strongest < _BESIDE):
             loud[at * hop : at * hop + shape.size] = True
         log_p = float(min(0.0, trials - strongest.max()))
-        if log_p < best.log_p:
+        if log_p < best.log_p and not _lasts(strongest, power.shape[1], trials):
             best = Burst(loud, log_p, float(strongest.max()), shape.size)
     return best
+
+
+def _lasts(strongest: Float[np.ndarray, " windows"], tiles: int, trials: float) -> bool:
+    """Whether windows stand out a little all the time, as by a line that moves."""
+    others = strongest[trials - strongest > _BESIDE]
+    high = np.log(tiles / _COMMON)
+    return bool(binom.sf(np.sum(others > high) - 1, others.size, _COMMON) < _LASTING)

@@ -100,7 +100,8 @@ def _unknown(unknown: Unknown, dt: float) -> Effect:
     values = {"height": unknown.height, "frequency": middle, "width": width}
     band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
     draws = {name: np.full(2, value) for name, value in values.items()}
-    return Effect("bump", _LINE, {}, draws, {}, band, unknown.why, unknown.in_time)
+    note = unknown.why + (f", every {unknown.period * dt:.4g} s" if unknown.period else "")
+    return Effect("bump", _LINE, {}, draws, {}, band, note, unknown.in_time)
 
 
 def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, float]]:

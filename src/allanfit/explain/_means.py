@@ -297,7 +297,7 @@ def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: i
             late = lfilter([share], [1, share - 1], late - late[0]) + late[0]
         late = late - late.mean()
         columns = np.column_stack([late, late**2])
-        courses.append(Course(name, columns, {"lag": constant}, places=len(_LAGS)))
+        courses.append(Course(name, columns, {"lag": constant}, places=float(len(_LAGS))))
     return courses
 
 

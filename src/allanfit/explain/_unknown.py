@@ -24,6 +24,8 @@ _SEGMENTS = 16
 # A sweep's time and frequency go together by as much, of what a perfect one would show.
 _SWEPT = 0.75
 _CLEAR = 4.0
+# A pulse is looked for from so many periods on, and must be as unlikely.
+_TEETH_SOUGHT, _PULSED = 8, 1e-5
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
@@ -43,6 +45,8 @@ class Unknown(NamedTuple):
     width: float
     height: float
     why: str
+    #: Its period [samples], if it has one.
+    period: float = 0.0
     #: Whether it shows in time alone.
     in_time: bool = False
 
@@ -79,13 +83,8 @@ def _comb(state: Investigation, lines: list[float]) -> None:
     middle, gap = float(np.mean(lines)), float(np.diff(lines).min())
     width = float(np.log(lines[-1] / lines[0])) / 2
     state.disowned_lines += lines
-    state.unknown.append(
-        Unknown(
-            middle, max(width, 1e-6), 0.0,
-            f"{len(lines)} lines at equal distances are one line that comes and goes, every "
-            f"{1 / gap:.5g} samples",
-        )
-    )  # fmt: skip
+    why = f"{len(lines)} lines at equal distances are one line that comes and goes"
+    state.unknown.append(Unknown(middle, max(width, 1e-6), 0.0, why, 1 / gap))
 
 
 def _sweeps(state: Investigation) -> None:
@@ -97,14 +96,14 @@ def _sweeps(state: Investigation) -> None:
         three = state.model.theta[begin : begin + EACH]
         first, second = (float(each) for each in shape_of(name, three, samples))
         width = first * second if name == "drifting_line" else first / second
+        why, period = "", 0.0
         if _swept(state, name, three, first, width):
+            why = "a line that sweeps through the band in the course of the recording"
+        elif period := _pulse(state, first, width):
+            why = "a line that comes and goes"
+        if why:
             state.disowned.add(name)
-            state.unknown.append(
-                Unknown(
-                    first, max(width / first, 1e-6), 0.0,
-                    "a line that sweeps through the band in the course of the recording",
-                )
-            )  # fmt: skip
+            state.unknown.append(Unknown(first, max(width / first, 1e-6), 0.0, why, period))
 
 
 def _swept(state: Investigation, name: str, three, middle: float, width: float) -> bool:
@@ -133,6 +132,28 @@ def _swept(state: Investigation, name: str, three, middle: float, width: float) 
     return abs(together) > _CLEAR * deviation and abs(together) > _SWEPT * most
 
 
+def _pulse(state: Investigation, middle: float, width: float) -> float:
+    """The period [samples] with which a band's power comes and goes, or zero."""
+    white = whitened_piece(state, state.longest, model_only=True)
+    spectrum = np.fft.rfft(white)
+    first, last = (
+        int(np.clip((middle + side * 3 * width) * white.size, 1, spectrum.size - 1))
+        for side in (-1, 1)
+    )
+    if last - first < 4 * _TEETH_SOUGHT:
+        return 0.0
+    # The band alone, moved to zero and taken as often as it has ordinates.
+    power = np.abs(np.fft.ifft(spectrum[first:last])) ** 2
+    beats = np.abs(np.fft.rfft(power - power.mean())) ** 2
+    low, high = _TEETH_SOUGHT, beats.size * 3 // 4
+    own = np.array([np.median(beats[max(k - 32, 1) : k + 33]) for k in range(low, high)])
+    ratio = beats[low:high] / own * np.log(2)
+    at = int(np.argmax(ratio))
+    if np.log(ratio.size) - ratio[at] > np.log(_PULSED):
+        return 0.0
+    return white.size / (low + at)
+
+
 def _other_spectrum(state: Investigation) -> None:
     """Noise that changes in time, but not by white noise that comes and goes."""
     changing = state.modulation
@@ -159,12 +180,8 @@ def _other_spectrum(state: Investigation) -> None:
     if chi2.sf(misfit, count.size - 1) < _RESHAPED:
         state.disowned |= {"variance_modulation", *state.model.kinds.names}
         strongest = int(np.argmax(difference**2 / variance))
-        state.unknown.append(
-            Unknown(
-                float(middle[strongest]), 0.5, 0.0,
-                "the shape of the spectrum changes in time, and not only its level", True,
-            )
-        )  # fmt: skip
+        why = "the shape of the spectrum changes in time, and not only its level"
+        state.unknown.append(Unknown(float(middle[strongest]), 0.5, 0.0, why, in_time=True))
 
 
 def _bump_instead(state: Investigation) -> None:
@@ -230,9 +247,5 @@ def about_swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> N
     if log_p < np.log(state.alarm):
         state.findings.append(Finding("bump", log_p, 0.0))
         state.gains["bump"] = of_swing(white, period)
-        state.unknown.append(
-            Unknown(
-                1 / period, 1e-3, 0.0,
-                f"the strength of the noise swings, with a period of {period:.5g} samples", True,
-            )
-        )  # fmt: skip
+        why = "the strength of the noise swings"
+        state.unknown.append(Unknown(1 / period, 1e-3, 0.0, why, period, in_time=True))

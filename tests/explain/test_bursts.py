@@ -1,0 +1,40 @@
+"""Brief disturbances: none where there is none, and where one is."""
+
+import numpy as np
+from scipy.stats import binom
+
+from allanfit.explain._bursts import bursts
+
+SAMPLES = 20_000
+
+
+def ring(at: int, energy: float, decay: float, frequency: float) -> np.ndarray:
+    """A ring-down whose squares sum to `energy`."""
+    after = np.maximum(np.arange(SAMPLES) - at, 0)
+    wave = np.exp(-after / decay) * np.sin(2 * np.pi * frequency * after)
+    return wave * np.sqrt(energy / np.sum(wave**2))
+
+
+def test_white_noise_has_none():
+    """Of 60 records less than a tenth below .05; false alarm 3e-3 at the level itself."""
+    rng = np.random.default_rng(0)
+    chances = np.exp([bursts(rng.standard_normal(SAMPLES)).log_p for _ in range(60)])
+    assert binom.sf(np.sum(chances < 0.05) - 1, 60, 0.05) > 3e-3
+
+
+def test_a_ring_down_is_found_where_it_is():
+    rng = np.random.default_rng(1)
+    for at, decay, frequency in ((3000, 30, 0.11), (12_000, 200, 0.05)):
+        found = bursts(rng.standard_normal(SAMPLES) + ring(at, 140.0, decay, frequency))
+        assert found.log_p < -8
+        where = np.flatnonzero(found.loud)
+        assert np.median(where) > at - 2 * found.window
+        assert np.median(where) < at + 4 * decay + 2 * found.window
+        assert found.loud.mean() < 0.1
+
+
+def test_a_lasting_line_is_none():
+    time = np.arange(SAMPLES)
+    line = 0.5 * np.sin(2 * np.pi * 0.1337 * time)
+    found = bursts(np.random.default_rng(2).standard_normal(SAMPLES) + line)
+    assert found.log_p > -6

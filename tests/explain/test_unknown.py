@@ -1,0 +1,84 @@
+"""Causes outside the catalogue: seen for what they are, and not seen where they are not."""
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+import allanfit
+from allanfit.explain import explain_recording
+from allanfit.explain._held_out_values import of_codes, of_events, of_spikes, of_swing
+from allanfit.explain._unknown import _even, swinging
+
+# The length and rate of test_explain, for one compilation.
+RATE, SAMPLES = 50.0, 30_000
+TIME = np.arange(SAMPLES) / RATE
+
+
+def explained(folder, values):
+    path = folder / "gyro.npz"
+    np.savez(path, gyro_x=values, rate_hz=RATE, units='{"gyro_x": "deg/s"}')
+    found = explain_recording(allanfit.load(path), posterior=False)
+    return found.to_dict()["channels"][0]
+
+
+@pytest.fixture
+def noise():
+    """White noise of N = 0.005 and a random walk of K = 2e-4, in deg/s."""
+    rng = np.random.default_rng(8)
+    walk = np.cumsum(rng.standard_normal(SAMPLES)) * 2e-4 * RATE**-0.5
+    return 0.005 * RATE**0.5 * rng.standard_normal(SAMPLES) + walk
+
+
+@pytest.mark.parametrize(
+    ("cause", "word"),
+    [
+        (
+            lambda x: x + 0.03 * ((TIME % 20) < 4) * np.sin(2 * np.pi * 7.3 * TIME),
+            "comes and goes, every 20 s",
+        ),
+        (lambda x: x + 0.012 * np.sin(2 * np.pi * (5 + 0.003 * TIME) * TIME), "sweeps"),
+        (lambda x: x * np.sqrt(1 + 0.5 * np.sin(2 * np.pi * TIME / 3)), "swings, every 3 s"),
+    ],
+    ids=["bursts of a line", "sweep", "swing"],
+)
+def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
+    channel = explained(tmp_path, cause(noise))
+    assert channel["verdict"] == "unexplained"
+    assert any(word in effect["sentence"] for effect in channel["effects"])
+    assert channel["improvement"]["held_out_log_score"]["difference"] > 10
+
+
+def test_a_steady_line_and_steady_noise_are_no_swing():
+    """Of 100 records a tenth at .1 or fewer; false alarm 2e-3."""
+    rng = np.random.default_rng(1)
+    chances = np.exp([swinging(rng.standard_normal(8192))[1] for _ in range(100)])
+    assert binom.sf(np.sum(chances < 0.1) - 1, 100, 0.1) > 2e-3
+
+
+def test_harmonics_and_strangers_are_no_comb():
+    assert _even([0.1, 0.1004, 0.1008, 0.1016], SAMPLES)
+    assert not _even([0.1, 0.1004, 0.1011, 0.1016], SAMPLES)
+
+
+def test_the_gain_of_events_is_their_information():
+    """Per scored sample the divergence of the true share from the expected one; 5 deviations."""
+    rng = np.random.default_rng(2)
+    happened = rng.random(200_000) < 0.05
+    found = of_events(happened, 0.01)
+    divergence = 0.05 * np.log(5) + 0.95 * np.log(0.95 / 0.99)
+    assert abs(found.nats - 100_000 * divergence) < 5 * found.variance**0.5
+    # What is as frequent as expected gains nothing but the cost of having learnt it.
+    assert -8 < of_events(happened, 0.05).nats < 8
+
+
+def test_the_gain_of_values_is_there_where_the_cause_is():
+    rng = np.random.default_rng(3)
+    white = rng.standard_normal(20_000)
+    assert of_codes(np.round(white, 1), 0.1).nats > 1e4
+    assert of_codes(white, 0.1).nats < 10
+    swing = np.sqrt(1 + 0.4 * np.sin(2 * np.pi * np.arange(20_000) / 97.0))
+    # n a^2/8 for a small swing of the variance by a share a.
+    assert of_swing(white * swing, 97.0).nats == pytest.approx(20_000 * 0.16 / 8, rel=0.25)
+    assert of_swing(white, 97.0).nats < 5
+    spikes = 8.0 * rng.standard_normal(20_000) * (rng.random(20_000) < 0.003)
+    assert of_spikes(white + spikes, 0).nats > 50
