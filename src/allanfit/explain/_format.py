@@ -8,8 +8,8 @@ from scipy.stats import binom
 
 from ..recording._checks import code_width, rails, repeated, usable
 
-# A code this wide beside the local noise adds 2 % to its variance, and an engineer should know.
-_COARSE = 0.5
+# A code this wide beside the local noise adds 0.5 % to its variance, and an engineer should know.
+_COARSE = 0.25
 _WINDOW = 64
 
 
