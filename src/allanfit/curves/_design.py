@@ -71,7 +71,8 @@ def design(lengths: tuple[int, ...], sampling: Sampling = "point") -> Design:
     # From order 2: the first coefficient goes with the ramp.
     spacing = 1 / (2 * max(lengths))
     edges = logarithmic_edges(2 * spacing, spacing, BINS_PER_DECADE)
-    with jax.enable_x64(True):
+    # Constants also where a user traces the fit.
+    with jax.ensure_compile_time_eval(), jax.enable_x64(True):
         return _design(lengths, sampling, edges)
 
 
@@ -138,7 +139,8 @@ def mode_variances(
     the `length` of the stretch in samples.
     """
     frequency = np.arange(1, modes + 1) / (2 * length)
-    with jax.enable_x64(True):
+    # Constants also where a user traces the fit.
+    with jax.ensure_compile_time_eval(), jax.enable_x64(True):
         columns = [_expected_ordinates(term, length, frequency, sampling) for term in NOISE_TERMS]
     # An ordinate is 2 dt c^2, so c has half its variance.
     return np.stack(columns, axis=-1) / 2

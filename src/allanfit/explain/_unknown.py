@@ -29,6 +29,7 @@ _TEETH_SOUGHT, _PULSED = 8, 1e-5
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
+_FINE = 0.1
 # A swing of the noise is looked for between so many periods and so few samples a period.
 _FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
 _TILE = 256
@@ -74,9 +75,9 @@ def _combs(state: Investigation) -> None:
 def _even(lines: list[float], samples: int) -> bool:
     gaps = np.diff(lines)
     multiples = gaps / gaps.min()
-    # Each line is known to a fraction of 1/T, and so is their distance.
-    slack = np.maximum(0.1, 0.7 / samples / gaps.min() * multiples)
-    return bool(np.all(np.abs(multiples - np.round(multiples)) < slack))
+    # Each line is known to a fraction of 1/T, and so is their distance; closer ones fit any comb.
+    slack = 0.7 / samples / gaps.min() * multiples
+    return bool(np.all(np.abs(multiples - np.round(multiples)) < slack) and slack.min() < _FINE)
 
 
 def _comb(state: Investigation, lines: list[float]) -> None:
