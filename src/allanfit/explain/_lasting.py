@@ -11,7 +11,6 @@ from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
 from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation, runs
 from ._state import Finding, Investigation, add_course, rebin, refit, whitened_piece, with_course
-from ._unknown import about_swing
 from ._whiten import level
 
 # Loud for less of the record, and by more, is a knock and no change of the noise.
@@ -73,7 +72,6 @@ def about_spread(state: Investigation, seed: int) -> bool:
             return about_spread(state, seed)
         _knock(state, piece, knocked, white, seed)
         return True
-    about_swing(state, np.clip(even, -PULLED_IN, PULLED_IN))
     spiky = contamination(even, seed)
     state.witnesses.append(
         {

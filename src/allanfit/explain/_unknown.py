@@ -15,6 +15,7 @@ from . import _search
 from ._chance import score
 from ._held_out_values import of_swing
 from ._search import Candidate, Model
+from ._spread import PULLED_IN
 from ._state import Finding, Investigation, whitened_piece
 from ._structure import EACH, added_density, shape_of
 
@@ -24,8 +25,10 @@ _SEGMENTS = 16
 # A sweep's time and frequency go together by as much, of what a perfect one would show.
 _SWEPT = 0.75
 _CLEAR = 4.0
+# A line that wanders, as by warming, goes less evenly than this: scatter over what is even.
+_UNEVEN = 0.15
 # A pulse is looked for from so many periods on, and must be as unlikely.
-_TEETH_SOUGHT, _PULSED = 8, 1e-5
+_TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
@@ -36,6 +39,9 @@ _TILE = 256
 _BANDS = 12
 # A changing spectrum must be as unlikely under a change of white noise.
 _RESHAPED = 1e-6
+# And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
+_PLAIN = 0.1
+_FULL = 0.5
 
 
 class Unknown(NamedTuple):
@@ -54,6 +60,7 @@ class Unknown(NamedTuple):
 
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
+    _swing(state)
     _combs(state)
     _sweeps(state)
     _other_spectrum(state)
@@ -88,41 +95,69 @@ def _comb(state: Investigation, lines: list[float]) -> None:
     state.unknown.append(Unknown(middle, max(width, 1e-6), 0.0, why, 1 / gap))
 
 
-def _sweeps(state: Investigation) -> None:
+class _Narrow(NamedTuple):
+    """One line or resonance of the model, with its free parameters."""
+
+    name: str
+    three: Float[np.ndarray, " three"]
+    middle: float
+    width: float
+
+
+def _narrow(state: Investigation) -> list[list[_Narrow]]:
+    """Lines and resonances in groups whose bands meet: several may describe one cause."""
     kinds, samples = state.model.kinds, float(state.data.samples)
+    found = []
     for place, name in enumerate(kinds.added):
-        if name not in ("drifting_line", "resonance"):
-            continue
-        begin = kinds.first_slot + EACH * place
-        three = state.model.theta[begin : begin + EACH]
-        first, second = (float(each) for each in shape_of(name, three, samples))
-        width = first * second if name == "drifting_line" else first / second
+        if name in ("drifting_line", "resonance"):
+            begin = kinds.first_slot + EACH * place
+            three = state.model.theta[begin : begin + EACH]
+            first, second = (float(each) for each in shape_of(name, three, samples))
+            width = first * second if name == "drifting_line" else first / second
+            found.append(_Narrow(name, three, first, width))
+    groups: list[list[_Narrow]] = []
+    for one in sorted(found, key=lambda each: each.middle):
+        last = groups[-1][-1] if groups else None
+        if last is not None and one.middle - last.middle < 2 * (one.width + last.width):
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def _sweeps(state: Investigation) -> None:
+    for group in _narrow(state):
+        main = max(group, key=lambda each: each.width)
         why, period = "", 0.0
-        if _swept(state, name, three, first, width):
+        if _swept(state, group):
             why = "a line that sweeps through the band in the course of the recording"
-        elif period := _pulse(state, first, width):
+        elif period := _pulse(state, main.middle, main.width):
             why = "a line that comes and goes"
         if why:
-            state.disowned.add(name)
-            state.unknown.append(Unknown(first, max(width / first, 1e-6), 0.0, why, period))
+            state.disowned |= {each.name for each in group}
+            width = max(main.width / main.middle, 1e-6)
+            state.unknown.append(Unknown(main.middle, width, 0.0, why, period))
 
 
-def _swept(state: Investigation, name: str, three, middle: float, width: float) -> bool:
+def _swept(state: Investigation, group: list[_Narrow]) -> bool:
     """Whether the power of a band moves through it evenly in time."""
     white = whitened_piece(state, state.longest, model_only=True)
     length = white.size // _SEGMENTS
     frequency = np.fft.rfftfreq(length)
-    inside = np.abs(frequency - middle) < 3 * width
-    inside &= (frequency > 0) & (frequency < 0.5)
+    low = min(each.middle - 3 * each.width for each in group)
+    high = max(each.middle + 3 * each.width for each in group)
+    inside = (frequency > max(low, 0.0)) & (frequency < min(high, 0.5))
     if inside.sum() < 4:
         return False
     segments = white[: length * _SEGMENTS].reshape(_SEGMENTS, length)
     power = np.abs(np.fft.rfft(segments)[:, inside]) ** 2 / length
     at = frequency[inside]
-    nodes = np.stack([at] * 3, axis=1)
-    own = np.asarray(added_density(name, three, nodes, float(state.data.samples)))
+    nodes, samples = np.stack([at] * 3, axis=1), float(state.data.samples)
+    own = sum(np.asarray(added_density(each.name, each.three, nodes, samples)) for each in group)
     share = own / np.interp(at, state.left.frequency, state.variance)
     time = (2 * np.arange(_SEGMENTS) + 1) / _SEGMENTS - 1
+    middle = float(share @ at / share.sum())
+    width = float(np.sqrt(share @ (at - middle) ** 2 / share.sum()))
     # Where the line's own power is, each tile says most.
     place = (at - middle) / width * share
     together = float(time @ (power - 1) @ place)
@@ -130,7 +165,17 @@ def _swept(state: Investigation, name: str, three, middle: float, width: float) 
     # A perfect sweep is at each frequency when as much of the power lies below it.
     when = 2 * (np.cumsum(share) - share / 2) / share.sum() - 1
     most = _SEGMENTS * float(np.sum(share * place * when))
-    return abs(together) > _CLEAR * deviation and abs(together) > _SWEPT * most
+    if abs(together) < max(_CLEAR * deviation, _SWEPT * most):
+        return False
+    # Evenly: no more scatter about its course than the noise of so strong a line makes.
+    drawn = (power - 1) @ place
+    noise = np.sum(power**2 @ place**2)
+    for reach in np.linspace(0.5, 3.0, 26) * width * np.sign(together):
+        course = np.interp(middle + reach * time, at, place)
+        even = course * (drawn @ course) / np.sum(course**2)
+        if np.sum((drawn - even) ** 2) - noise < _UNEVEN * np.sum(even**2):
+            return True
+    return False
 
 
 def _pulse(state: Investigation, middle: float, width: float) -> float:
@@ -150,7 +195,10 @@ def _pulse(state: Investigation, middle: float, width: float) -> float:
     own = np.array([np.median(beats[max(k - 32, 1) : k + 33]) for k in range(low, high)])
     ratio = beats[low:high] / own * np.log(2)
     at = int(np.argmax(ratio))
-    if np.log(ratio.size) - ratio[at] > np.log(_PULSED):
+    # How deep: bursts leave nothing between them, and other swings of a line are no bursts.
+    noise = (last - first) / white.size**2 * white.size
+    depth = 2 * np.sqrt(beats[low + at]) / max(np.sum(power) - noise, 1e-300)
+    if np.log(ratio.size) - ratio[at] > np.log(_PULSED) or depth < _DEPTH:
         return 0.0
     return white.size / (low + at)
 
@@ -160,7 +208,7 @@ def _other_spectrum(state: Investigation) -> None:
     changing = state.modulation
     if changing is None:
         return
-    white = whitened_piece(state, state.longest, model_only=True)
+    white = _broad(state)
     tiles = white.size // _TILE
     powers = np.abs(np.fft.rfft(white[: tiles * _TILE].reshape(tiles, _TILE))) ** 2 / _TILE
     share = changing.loud[: tiles * _TILE].reshape(tiles, _TILE).mean(axis=1)
@@ -171,15 +219,21 @@ def _other_spectrum(state: Investigation) -> None:
     count = np.diff(edges)
     above = np.add.reduceat(loud.mean(axis=0), edges)[:-1] / count
     below = np.add.reduceat(quiet.mean(axis=0), edges)[:-1] / count
+    # Bands that lines were cut out of are no measure.
+    kept = np.minimum(above, below) > _FULL
+    if kept.sum() < 4:
+        return
+    above, below, count, edges_low = above[kept], below[kept], count[kept], edges[:-1][kept]
     # Whitened by their mean, white noise that is added weighs as one over the density there.
-    middle = np.sqrt(edges[:-1] * (edges[1:] - 1)) / _TILE
+    middle = np.sqrt(edges_low * (edges_low + count - 1)) / _TILE
     weight = 1 / np.interp(middle, state.left.frequency, state.variance)
     variance = (above**2 / len(loud) + below**2 / len(quiet)) / count
     difference = above - below
     added = np.sum(difference * weight / variance) / np.sum(weight**2 / variance)
     misfit = float(np.sum((difference - added * weight) ** 2 / variance))
-    if chi2.sf(misfit, count.size - 1) < _RESHAPED:
-        state.disowned |= {"variance_modulation", *state.model.kinds.names}
+    size = np.std((difference - added * weight) / below)
+    if chi2.sf(misfit, count.size - 1) < _RESHAPED and size > _PLAIN:
+        state.disowned |= {"variance_modulation", "low_pass"}
         strongest = int(np.argmax(difference**2 / variance))
         why = "the shape of the spectrum changes in time, and not only its level"
         state.unknown.append(Unknown(float(middle[strongest]), 0.5, 0.0, why, in_time=True))
@@ -231,8 +285,17 @@ def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None
     return white.size / at, log_p
 
 
-def about_swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
+def _swing(state: Investigation) -> None:
     """Name noise whose strength swings as something that is not in the catalogue."""
+    if state.format.coarse or state.format.repeat is not None:
+        # Codes and held samples make squares of their own.
+        return
+    white = _broad(state)
+    if not white.any():
+        return
+    if state.modulation is not None:
+        white = white / np.where(state.modulation.loud, state.modulation.ratio, 1.0)
+    white = np.clip(white / white.std(), -PULLED_IN, PULLED_IN)
     found = swinging(white)
     if found is None:
         return
@@ -250,3 +313,17 @@ def about_swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> N
         state.gains["bump"] = of_swing(white, period)
         why = "the strength of the noise swings"
         state.unknown.append(Unknown(1 / period, 1e-3, 0.0, why, period, in_time=True))
+
+
+def _broad(state: Investigation) -> Float[np.ndarray, " samples"]:
+    """The longest stretch made white, without the bands of lines and resonances."""
+    white = whitened_piece(state, state.longest, model_only=True)
+    spectrum = np.fft.rfft(white)
+    frequency = np.fft.rfftfreq(white.size)
+    for one in (each for group in _narrow(state) for each in group):
+        # What is broad for its frequency has no band of its own.
+        if one.width < one.middle / 8:
+            spectrum[np.abs(frequency - one.middle) < 4 * one.width] = 0.0
+    for peak in state.peaks:
+        spectrum[np.abs(frequency - peak.frequency) < 4 * peak.half_width] = 0.0
+    return np.fft.irfft(spectrum, white.size)
