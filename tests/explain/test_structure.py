@@ -6,7 +6,7 @@ import pytest
 
 from allanfit.explain._climb import climb, expected_density, log_slopes, rescale
 from allanfit.explain._ordinates import bin_edges, binned, ordinates
-from allanfit.explain._structure import Data, Kinds, bounds, expected, free
+from allanfit.explain._structure import Data, Kinds, bounds, expected, free, holding_angle
 from allanfit.physics import GaussMarkov, LowPass
 
 SAMPLES = 16_384
@@ -86,3 +86,25 @@ def test_parts_of_the_catalogue_are_used():
     one = jnp.ones(())
     assert GaussMarkov(one, one).name in Kinds(None, ("gauss_markov",)).names
     assert LowPass(one, one).name in Kinds("digital_low_pass").names
+
+
+@pytest.mark.parametrize("repeat", [3, 1.6])
+def test_quantized_angle_that_is_held(repeat):
+    """Periodograms of 300 records of differences of white noise, held; within 5 deviations."""
+    rng = np.random.default_rng(5)
+    length, total = 2048, np.zeros(1025)
+    for _ in range(300):
+        x = np.diff(rng.standard_normal(3 * length + 1))
+        fresh = np.arange(length) // 3 * 3
+        if repeat != 3:
+            index = np.where(rng.random(length) < 1 / repeat, np.arange(length), 0)
+            fresh = np.maximum.accumulate(index)
+        held = x[fresh] * np.hanning(length)
+        total += np.abs(np.fft.rfft(held)) ** 2 / np.sum(np.hanning(length) ** 2) / 300
+    data = data_of(rng.standard_normal(length))._replace(repeat=float(repeat))
+    frequency, used = data.bins.frequency, data.bins.used
+    expected = holding_angle(data) * 8 * np.sin(np.pi * frequency) ** 2
+    # Away from zero frequency, and from the zeros of a regular hold, which a taper fills.
+    inside = used & (frequency > 0.02) & (np.abs(frequency - 1 / 3) > 0.02)
+    found = np.interp(frequency, np.arange(1025) / length, 2 * total)
+    assert np.all(np.abs(found[inside] / expected[inside] - 1) < 5 / np.sqrt(300))

@@ -11,7 +11,18 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active, added_density, holding, shaped
+from ._structure import (
+    EACH,
+    FLOOR,
+    TERMS,
+    Data,
+    Kinds,
+    active,
+    added_density,
+    holding,
+    holding_angle,
+    shaped,
+)
 
 _STEPS = 60
 # Less than this in twice the log-likelihood is as good as nothing.
@@ -85,7 +96,8 @@ def parts(theta: Starts, kinds: Kinds, data: Data):
     folded, passed, bump = _shape(theta, kinds, data)
     held = holding(data)
     slow = passed * held / data.repeat
-    shape = np.stack([np.ones_like(folded), folded * held, slow, slow], axis=2)
+    angle = np.broadcast_to(holding_angle(data), folded.shape)
+    shape = np.stack([angle, folded * held, slow, slow], axis=2)
     columns = np.asarray(data.bins.expected) * shape * bump[..., None]
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     added = [

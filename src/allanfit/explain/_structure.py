@@ -182,7 +182,7 @@ def columns(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "bins terms"
     held = holding(data)
     # What is slow is held as well, and white noise is folded on top.
     slow = passed * held / data.repeat
-    shape = jnp.stack([jnp.ones_like(folded), folded * held, slow, slow], axis=1)
+    shape = jnp.stack([jnp.asarray(holding_angle(data)), folded * held, slow, slow], axis=1)
     return jnp.asarray(data.bins.expected) * shape * bump[:, None]
 
 
@@ -194,6 +194,24 @@ def holding(data: Data) -> Float[np.ndarray, " bins"]:
     gain = SampleHold(jnp.asarray(data.repeat)).gain(jnp.asarray(middle), 1.0)
     # A regular hold has zeros, in which only rounding is left.
     return np.maximum(np.asarray(gain), 1e-9)
+
+
+def holding_angle(data: Data) -> Float[np.ndarray, " bins"]:
+    """What holding samples does to the density of quantized angle, the difference of white noise.
+
+    Held equally long, samples are too far apart to be neighbours: white noise of twice the
+    variance, held. Held with chance p, one is the next fresh value after another only where it
+    comes at once, so that the autocovariance is 2 p^m - (1 - p)^2 p^(m-1).
+    """
+    middle = np.maximum(np.asarray(data.bins.nodes)[:, 1], 1e-9)
+    if data.repeat == 1:
+        return np.ones_like(middle)
+    unheld = 8 * np.sin(np.pi * middle) ** 2
+    if float(data.repeat).is_integer():
+        return 4 * holding(data) / unheld
+    p, turn = 1 - 1 / data.repeat, np.exp(2j * np.pi * middle)
+    powers = (p * turn / (1 - p * turn)).real
+    return 4 * (1 + powers * (2 - (1 - p) ** 2 / p)) / unheld
 
 
 def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slots bins"]:
