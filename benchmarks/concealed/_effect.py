@@ -4,6 +4,7 @@ An effect is a frozen dataclass of its physical parameters. It acts at the stage
 that it names, and knows its strength; stages left alone pass their input on.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import inf, log
@@ -20,7 +21,7 @@ LINE_LEVELS = (36, 64, 100, 400)
 
 
 @dataclass(frozen=True)
-class Effect:
+class Effect(ABC):
     """Base of all; sizes are drawn for a strength by `at_strength`."""
 
     name: ClassVar[str]
@@ -37,16 +38,17 @@ class Effect:
     # -- how it is drawn
 
     @classmethod
+    @abstractmethod
     def draw(cls, rng: np.random.Generator, device: Device) -> Self:
         """All but its size."""
-        raise NotImplementedError
 
+    @abstractmethod
     def sized(self, size: float) -> Self:
-        raise NotImplementedError
+        """The same at this size."""
 
+    @abstractmethod
     def bracket(self, device: Device) -> tuple[float, float]:
         """Sizes between which the strength rises."""
-        raise NotImplementedError
 
     # -- what it does, stage by stage
 

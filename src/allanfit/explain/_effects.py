@@ -97,7 +97,7 @@ def _disowned(state: Investigation, effect: Effect, dt: float) -> bool:
 
 def _unknown(unknown: Unknown, dt: float) -> Effect:
     middle, width = unknown.frequency / dt, unknown.width
-    values = {"height": unknown.height, "frequency": middle, "width": width}
+    values = {"height": 0.0, "frequency": middle, "width": width}
     band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
     draws = {name: np.full(2, value) for name, value in values.items()}
     note = unknown.why + (f", every {unknown.period * dt:.4g} s" if unknown.period else "")

@@ -110,10 +110,10 @@ def _fold(spectrum: Ordinates, moved, edges, model: Model, data: Data, plain: Da
     rest = spectrum.less(moved @ sizes)
     old, _ = _fitted(binned(spectrum, edges, 1 - fold), model, data, plain)
     _, new = _fitted(binned(rest, edges, 1 - fold), model, data, plain)
-    low, _, scatter = _scores(binned(spectrum, edges, fold), old, new, model, data, plain)
-    high = _scores(binned(rest, edges, fold), old, new, model, data, plain)[1]
+    bins = binned(spectrum, edges, fold)
+    low, high, scatter = _scores(bins, old, new, model, data, plain)
     if moved.shape[1]:
-        bins = binned(spectrum, edges, fold)
+        high = _scores(binned(rest, edges, fold), old, new, model, data, plain)[1]
         scatter = _scatter(spectrum, rest, bins, old, new, data, plain, test) ** 2
     return low, high, float(np.sum(scatter))
 
@@ -139,6 +139,7 @@ def _scores(test: Bins, old: Model, new: Model, model: Model, data: Data, plain:
 def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, variance, seed):
     noise = np.random.default_rng(seed).standard_normal(variance.size) * np.sqrt(variance)
     total_before = total_after = scatter = 0.0
+    everywhere = np.ones(variance.size, bool)
     for sign in (1.0, -1.0):
         train = spectrum.less(-sign * noise)
         test = spectrum.less(sign * noise)
@@ -152,7 +153,6 @@ def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, vari
         high = _scores(clean, old, new, model, data, plain)[1]
         total_before += low / 2
         total_after += high / 2
-        everywhere = np.ones(variance.size, bool)
         scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain, everywhere))
     return HeldOut(float(total_before), float(total_after), float(scatter))
 

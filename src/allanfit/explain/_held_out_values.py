@@ -63,67 +63,61 @@ def of_rails(values: Float[np.ndarray, " samples"], rails: tuple[float, ...]) ->
 def of_spikes(white: Float[np.ndarray, " samples"], seed: int) -> Gain:
     """Spikes in whitened samples, against one normal distribution."""
 
-    def differences(known, scored):
-        found = contamination(known, seed)
-        return log_mixture(found, scored) - norm.logpdf(scored, scale=known.std())
+    def differences(known: slice, scored: slice):
+        found = contamination(white[known], seed)
+        plain = norm.logpdf(white[scored], scale=white[known].std())
+        return log_mixture(found, white[scored]) - plain
 
-    return _crossed(white, differences)
+    return _crossed(white.size, differences)
 
 
 def of_loud_times(white: Float[np.ndarray, " samples"], seed: int) -> Gain:
     """Loud and quiet times of whitened samples, against one variance."""
+    pulled = np.clip(white, -PULLED_IN, PULLED_IN)
 
-    def differences(known, scored):
-        loud = modulation(known, seed).loud
-        if loud.all() or not loud.any():
-            return np.zeros(scored.size)
-        scale = np.where(loud, known[loud].std(), known[~loud].std())
-        return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=known.std())
+    def differences(known: slice, scored: slice):
+        loud = modulation(pulled[known], seed).loud
+        return _two_levels(pulled[known], loud, pulled[scored], loud)
 
-    return _crossed(np.clip(white, -PULLED_IN, PULLED_IN), differences)
+    return _crossed(white.size, differences)
 
 
 def of_times(white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samples"]) -> Gain:
     """As `of_loud_times`, where short spectra told when it is loud."""
     pulled = np.clip(white, -PULLED_IN, PULLED_IN)
 
-    def differences(known, scored, loud_known, loud_scored):
-        levels = known[~loud_known].std(), known[loud_known].std()
-        scale = np.where(loud_scored, levels[1], levels[0])
-        return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=known.std())
+    def differences(known: slice, scored: slice):
+        return _two_levels(pulled[known], loud[known], pulled[scored], loud[scored])
 
-    half = white.size // 2
-    halves = [(pulled[i : 2 * half : 2], loud[i : 2 * half : 2]) for i in (0, 1)]
-    return of_samples(
-        np.concatenate(
-            [
-                differences(one, other, loud_one, loud_other)
-                for (one, loud_one), (other, loud_other) in (halves, halves[::-1])
-            ]
-        )
-    )
+    return _crossed(white.size, differences)
+
+
+def _two_levels(known, loud_known, scored, loud_scored) -> Float[np.ndarray, " half"]:
+    """Of the scored samples, with the deviations of the known loud and quiet ones."""
+    if loud_known.all() or not loud_known.any():
+        return np.zeros(scored.size)
+    scale = np.where(loud_scored, known[loud_known].std(), known[~loud_known].std())
+    return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=known.std())
 
 
 def of_swing(white: Float[np.ndarray, " samples"], period: float) -> Gain:
     """Noise whose variance swings with a period [samples], against one that does not."""
-    pulled = np.clip(white, -PULLED_IN, PULLED_IN)
+    squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     angle = 2 * np.pi * np.arange(white.size) / period
     waves = np.column_stack([np.cos(angle), np.sin(angle)])
-    half = white.size // 2
-    gains = []
-    for known, scored in ((0, 1), (1, 0)):
-        squares, other = (pulled[i : 2 * half : 2] ** 2 for i in (known, scored))
-        level = squares.mean()
-        size = 2 * (squares / level - 1) @ waves[known : 2 * half : 2] / half
-        swing = np.maximum(1 + waves[scored : 2 * half : 2] @ size, 0.05)
-        gains.append(-(np.log(swing) + other / level * (1 / swing - 1)) / 2)
-    return of_samples(np.concatenate(gains))
+
+    def differences(known: slice, scored: slice):
+        level = squares[known].mean()
+        size = 2 * (squares[known] / level - 1) @ waves[known] / squares[known].size
+        swing = np.maximum(1 + waves[scored] @ size, 0.05)
+        return -(np.log(swing) + squares[scored] / level * (1 / swing - 1)) / 2
+
+    return _crossed(white.size, differences)
 
 
 def _crossed(
-    white: Float[np.ndarray, " samples"], differences: Callable[..., Float[np.ndarray, " half"]]
+    samples: int, differences: Callable[[slice, slice], Float[np.ndarray, " half"]]
 ) -> Gain:
     """Even samples known and odd ones scored, and the other way round."""
-    half = white.size // 2
-    even, odd = white[: 2 * half : 2], white[1 : 2 * half : 2]
+    even, odd = (slice(start, samples // 2 * 2, 2) for start in (0, 1))
     return of_samples(np.concatenate([differences(even, odd), differences(odd, even)]))

@@ -5,12 +5,20 @@ from jaxtyping import Float
 
 from . import _means, _search
 from ._bursts import Burst, bursts
-from ._chance import course_log_chance
 from ._held_out_values import of_loud_times, of_spikes, of_times
 from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
 from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation, runs
-from ._state import Finding, Investigation, add_course, rebin, refit, whitened_piece, with_course
+from ._state import (
+    Finding,
+    Investigation,
+    add_course,
+    evidence,
+    rebin,
+    refit,
+    whitened_piece,
+    with_course,
+)
 from ._whiten import level
 
 # Loud for less of the record, and by more, is a knock and no change of the noise.
@@ -157,7 +165,6 @@ def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modul
     taken: list[Finding] = []
     for a, b in found:
         middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
-        cost = state.cost
         course = _means.polish(
             _means.step(round(middle), state.values.size),
             lambda at: _means.step(round(at), state.values.size),
@@ -165,10 +172,7 @@ def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modul
             half / 2,
             lambda tried: -with_course(state, tried).cost,
         )
-        gain = cost - with_course(state, course).cost
-        moved = _means.moved_by(course, state.pieces)
-        known = _means.knowledge(moved, state.left, state.model, state.data)
-        log_p = course_log_chance(gain, 1, known, length=_STEP_PATH)
+        gain, log_p = evidence(state, course._replace(length=_STEP_PATH))
         if log_p > 2 * np.log(state.alarm):
             break
         finding = Finding("step", log_p, gain)

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _means, _search
-from ._chance import course_log_chance, course_score, log_chance, score
+from ._chance import course_score, log_chance, score
 from ._lines import Peak, Sine, refine, scan
 from ._means import Course
 from ._ordinates import bin_edges
 from ._search import Candidate
-from ._state import Finding, Investigation, add_course, rebin, whitened_piece, with_course
-from ._structure import EACH, shape_of
+from ._state import Finding, Investigation, add_course, evidence, rebin, whitened_piece, with_course
+from ._structure import EACH, NARROW, shape_of
 from ._whiten import level
 
 _MOST_LINES = 12
@@ -20,7 +20,6 @@ _MOST_LINES = 12
 _LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
-_NARROW = ("resonance", "drifting_line")
 # Quality and relative width up to which they are usual, and the power with which they become rare.
 _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
 _RARER = 1.5
@@ -74,13 +73,13 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
         return narrow[0], ()
     if best is not None and best.name == "low_pass":
         return best, None
-    if lines and (best is None or best.name in _NARROW):
+    if lines and (best is None or best.name in NARROW):
         return lines[0], ()
     kinds = state.model.kinds.added
-    if len(state.peaks) > sum(kinds.count(name) for name in _NARROW):
-        sharp = [option for option in others if option.name in _NARROW]
+    if len(state.peaks) > sum(kinds.count(name) for name in NARROW):
+        sharp = [option for option in others if option.name in NARROW]
         if sharp:
-            return max(sharp, key=lambda option: option.score), _NARROW
+            return max(sharp, key=lambda option: option.score), NARROW
     if best is None:
         return lines[0], ()
     return best, None
@@ -184,7 +183,7 @@ def _plausibility(state: Investigation, candidate: Candidate) -> float:
     A resonance that rings for hundreds of periods is rare in a sensor, and a line that wanders by
     more than a hundredth is hardly a line.
     """
-    if candidate.name not in _NARROW:
+    if candidate.name not in NARROW:
         return 0.0
     three = candidate.model.theta[-EACH:]
     breadth = float(shape_of(candidate.name, three, state.data.samples)[1])
@@ -197,16 +196,11 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
     proposals = _means.propose(
         state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
     )
-    before = state.cost
     options: list[Option] = []
     for course in proposals:
         if any(course.name == old.name and course.shape == old.shape for old in state.courses):
             continue
-        sized = with_course(state, course)
-        gain = max(before - sized.cost, 0.0)
-        moved = _means.moved_by(course, state.pieces)
-        known = _means.knowledge(moved, state.left, state.model, state.data)
-        log_p = course_log_chance(gain, course.sizes, known, course.places, course.length)
+        gain, log_p = evidence(state, course)
 
         def take(
             rivals: dict[str, float],

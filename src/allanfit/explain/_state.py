@@ -9,6 +9,7 @@ from jaxtyping import Float
 from ..physics import Sampling
 from ..recording._checks import usable
 from . import _means, _search
+from ._chance import course_log_chance
 from ._format import Format, sample_format
 from ._held_out_values import Gain, of_codes, of_rails
 from ._lines import Peak
@@ -176,21 +177,32 @@ def rebin(state: Investigation) -> None:
     state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
 
 
-def with_course(state: Investigation, course: Course, *, shapes_too: bool = False) -> Sized:
+def with_course(state: Investigation, course: Course) -> Sized:
     """The courses and one more, with the noise fitted again beside them."""
-    moved = np.concatenate([state.all_moved, _means.moved_by(course, state.pieces)], axis=1)
+    return _beside(state, _means.moved_by(course, state.pieces))
+
+
+def _beside(state: Investigation, moved: Float[np.ndarray, "ordinates columns"]) -> Sized:
+    every = np.concatenate([state.all_moved, moved], axis=1)
     return _means.size_up(
-        state.spectrum, moved, state.model, state.data, state.edges, shapes_too=shapes_too
+        state.spectrum, every, state.model, state.data, state.edges, shapes_too=False
     )
+
+
+def evidence(state: Investigation, course: Course) -> tuple[float, float]:
+    """What one more course gains, and the log of the chance that noise alone gains as much."""
+    moved = _means.moved_by(course, state.pieces)
+    gain = max(state.cost - _beside(state, moved).cost, 0.0)
+    known = _means.knowledge(moved, state.left, state.model, state.data)
+    return gain, course_log_chance(gain, course.sizes, known, course.places, course.length)
 
 
 def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     """Take a course for real."""
-    state.sized = with_course(state, course, shapes_too=True)
     state.courses.append(course)
     state.moved.append(_means.moved_by(course, state.pieces))
     state.findings.append(finding)
-    state.model, state.data = state.sized.model, state.sized.data
+    resize(state)
 
 
 def resize(state: Investigation) -> None:

@@ -34,6 +34,8 @@ ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, Dr
 #: In front of the converter, which takes values or averages, so that what passes folds; or behind
 #: it, in the sensor's processor.
 FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
+#: Noises of one narrow band.
+NARROW = ("resonance", "drifting_line")
 TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3

@@ -17,7 +17,7 @@ from ._held_out_values import of_swing
 from ._search import Candidate, Model
 from ._spread import PULLED_IN
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, added_density, shape_of
+from ._structure import EACH, NARROW, added_density, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -47,10 +47,9 @@ _FULL = 0.5
 class Unknown(NamedTuple):
     """Something without a name: where, how large, and why what describes it best is not it."""
 
-    #: The middle [cycles per sample], the width in e-folds, the height in e-folds of density.
+    #: The middle [cycles per sample] and the width in e-folds.
     frequency: float
     width: float
-    height: float
     why: str
     #: Its period [samples], if it has one.
     period: float = 0.0
@@ -60,10 +59,12 @@ class Unknown(NamedTuple):
 
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
-    _swing(state)
+    white = whitened_piece(state, state.longest, model_only=True)
+    broad = _broad(state, white)
+    _swing(state, broad)
     _combs(state)
-    _sweeps(state)
-    _other_spectrum(state)
+    _sweeps(state, white)
+    _other_spectrum(state, broad)
     _bump_instead(state)
 
 
@@ -92,7 +93,7 @@ def _comb(state: Investigation, lines: list[float]) -> None:
     width = float(np.log(lines[-1] / lines[0])) / 2
     state.disowned_lines += lines
     why = f"{len(lines)} lines at equal distances are one line that comes and goes"
-    state.unknown.append(Unknown(middle, max(width, 1e-6), 0.0, why, 1 / gap))
+    state.unknown.append(Unknown(middle, max(width, 1e-6), why, 1 / gap))
 
 
 class _Narrow(NamedTuple):
@@ -109,7 +110,7 @@ def _narrow(state: Investigation) -> list[list[_Narrow]]:
     kinds, samples = state.model.kinds, float(state.data.samples)
     found = []
     for place, name in enumerate(kinds.added):
-        if name in ("drifting_line", "resonance"):
+        if name in NARROW:
             begin = kinds.first_slot + EACH * place
             three = state.model.theta[begin : begin + EACH]
             first, second = (float(each) for each in shape_of(name, three, samples))
@@ -125,23 +126,25 @@ def _narrow(state: Investigation) -> list[list[_Narrow]]:
     return groups
 
 
-def _sweeps(state: Investigation) -> None:
+def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
+    """Lines that move through their band, or come and go."""
     for group in _narrow(state):
         main = max(group, key=lambda each: each.width)
         why, period = "", 0.0
-        if _swept(state, group):
+        if _swept(state, white, group):
             why = "a line that sweeps through the band in the course of the recording"
-        elif period := _pulse(state, main.middle, main.width):
+        elif period := _pulse(white, main.middle, main.width):
             why = "a line that comes and goes"
         if why:
             state.disowned |= {each.name for each in group}
             width = max(main.width / main.middle, 1e-6)
-            state.unknown.append(Unknown(main.middle, width, 0.0, why, period))
+            state.unknown.append(Unknown(main.middle, width, why, period))
 
 
-def _swept(state: Investigation, group: list[_Narrow]) -> bool:
+def _swept(
+    state: Investigation, white: Float[np.ndarray, " samples"], group: list[_Narrow]
+) -> bool:
     """Whether the power of a band moves through it evenly in time."""
-    white = whitened_piece(state, state.longest, model_only=True)
     length = white.size // _SEGMENTS
     frequency = np.fft.rfftfreq(length)
     low = min(each.middle - 3 * each.width for each in group)
@@ -178,9 +181,8 @@ def _swept(state: Investigation, group: list[_Narrow]) -> bool:
     return False
 
 
-def _pulse(state: Investigation, middle: float, width: float) -> float:
+def _pulse(white: Float[np.ndarray, " samples"], middle: float, width: float) -> float:
     """The period [samples] with which a band's power comes and goes, or zero."""
-    white = whitened_piece(state, state.longest, model_only=True)
     spectrum = np.fft.rfft(white)
     first, last = (
         int(np.clip((middle + side * 3 * width) * white.size, 1, spectrum.size - 1))
@@ -196,19 +198,18 @@ def _pulse(state: Investigation, middle: float, width: float) -> float:
     ratio = beats[low:high] / own * np.log(2)
     at = int(np.argmax(ratio))
     # How deep: bursts leave nothing between them, and other swings of a line are no bursts.
-    noise = (last - first) / white.size**2 * white.size
+    noise = (last - first) / white.size
     depth = 2 * np.sqrt(beats[low + at]) / max(np.sum(power) - noise, 1e-300)
     if np.log(ratio.size) - ratio[at] > np.log(_PULSED) or depth < _DEPTH:
         return 0.0
     return white.size / (low + at)
 
 
-def _other_spectrum(state: Investigation) -> None:
+def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Noise that changes in time, but not by white noise that comes and goes."""
     changing = state.modulation
     if changing is None:
         return
-    white = _broad(state)
     tiles = white.size // _TILE
     powers = np.abs(np.fft.rfft(white[: tiles * _TILE].reshape(tiles, _TILE))) ** 2 / _TILE
     share = changing.loud[: tiles * _TILE].reshape(tiles, _TILE).mean(axis=1)
@@ -236,7 +237,7 @@ def _other_spectrum(state: Investigation) -> None:
         state.disowned |= {"variance_modulation", "low_pass"}
         strongest = int(np.argmax(difference**2 / variance))
         why = "the shape of the spectrum changes in time, and not only its level"
-        state.unknown.append(Unknown(float(middle[strongest]), 0.5, 0.0, why, in_time=True))
+        state.unknown.append(Unknown(float(middle[strongest]), 0.5, why, in_time=True))
 
 
 def _bump_instead(state: Investigation) -> None:
@@ -285,12 +286,11 @@ def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None
     return white.size / at, log_p
 
 
-def _swing(state: Investigation) -> None:
+def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Name noise whose strength swings as something that is not in the catalogue."""
     if state.format.coarse or state.format.repeat is not None:
         # Codes and held samples make squares of their own.
         return
-    white = _broad(state)
     if not white.any():
         return
     if state.modulation is not None:
@@ -312,12 +312,13 @@ def _swing(state: Investigation) -> None:
         state.findings.append(Finding("bump", log_p, 0.0))
         state.gains["bump"] = of_swing(white, period)
         why = "the strength of the noise swings"
-        state.unknown.append(Unknown(1 / period, 1e-3, 0.0, why, period, in_time=True))
+        state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True))
 
 
-def _broad(state: Investigation) -> Float[np.ndarray, " samples"]:
-    """The longest stretch made white, without the bands of lines and resonances."""
-    white = whitened_piece(state, state.longest, model_only=True)
+def _broad(
+    state: Investigation, white: Float[np.ndarray, " samples"]
+) -> Float[np.ndarray, " samples"]:
+    """The white record without the bands of lines and resonances."""
     spectrum = np.fft.rfft(white)
     frequency = np.fft.rfftfreq(white.size)
     for one in (each for group in _narrow(state) for each in group):
