@@ -56,7 +56,7 @@ def test_a_line_is_found_to_a_fraction_of_an_ordinate(white):
     frequency, amplitude = 0.1234567, 0.05
     line = amplitude * np.sin(2 * np.pi * frequency * np.arange(SAMPLES) + 0.3)
     peak = scan(white + line, 1e-3)[0]
-    sine = refine(white + line, peak.frequency, 2.0)
+    sine = refine(white + line, peak, 2.0)
     assert abs(sine.frequency - frequency) < 5 * sine.frequency_deviation
     assert abs(sine.amplitude - amplitude) < 5 * sine.amplitude_deviation
     # A^2 T/(2 S) for the known frequency, S = 2: within 5 of its deviations 2 sqrt(gain).

@@ -1,7 +1,7 @@
 """Whether the noise of a channel is normal and lasts: outliers, loud times, knocks."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from . import _means, _search
 from ._bursts import Burst, bursts
@@ -27,6 +27,9 @@ _MARGIN = 2
 # Brief disturbances that fill more than this are no brief ones, but noise that changes.
 _BRIEF_SHARE = 0.02
 _MOST_STEPS = 8
+# Spikes more frequent than this are what the noise is like: cut out, they would take its spectrum
+# with them.
+_RARE = 0.05
 # As far as a scan for a step in white noise goes.
 _STEP_PATH = 100.0
 # A quiet time must be as long for its own fit.
@@ -119,7 +122,12 @@ def about_spread(state: Investigation, seed: int) -> bool:
             )
         )
         state.gains["outliers"] = of_spikes(even, seed)
-        state.foreign += _excise(state, piece, even, spiky) / height**2
+        clear = np.abs(even) > spiky.threshold
+        if clear.mean() < _RARE:
+            wrong = _excise(state, piece, even, spiky, clear)
+        else:
+            wrong = float(np.var(even)) - spiky.sigma**2
+        state.foreign += wrong / height**2
     if loud or state.contamination is not None:
         refit(state)
     return False
@@ -217,13 +225,13 @@ def _excise(
     piece: tuple[int, int],
     white: Float[np.ndarray, " samples"],
     spiky: Contamination,
+    clear: Bool[np.ndarray, " samples"],
 ) -> float:
     """Put neighbours' means in place of clear spikes, for the analysis alone.
 
     Returns the variance, in the whitened record, of white noise that this leaves wrong: faint
     spikes that stay, less the noise of the samples replaced.
     """
-    clear = np.abs(white) > spiky.threshold
     values = state.values.copy()
     inside = values[piece[0] : piece[1]]
     good = np.flatnonzero(~clear)

@@ -18,6 +18,8 @@ _MOST = 24
 _NARROWER = 3.0
 # With fewer periods in the record a line is a course in time; see `_means`.
 _SLOWEST = 100
+# Steps to either side of a peak's middle where its strongest frequency is looked for.
+_REFINED = 16
 # Independent places for each ordinate, of one line between ordinates and of windows of all widths;
 # the chances that follow hold on simulated white noise.
 _PADDED_TRIALS = 3.0
@@ -61,13 +63,8 @@ def _strongest(
 ) -> Peak | None:
     best: Peak | None = None
     top = int(np.argmax(fine))
-    trials = _PADDED_TRIALS * power.size
-    best = Peak(
-        top / (2 * samples),
-        0.5 / samples,
-        float(fine[top]),
-        float(min(0.0, np.log(trials) - fine[top])),
-    )
+    strongest = float(fine[top])
+    best = Peak(top / (2 * samples), 0.5 / samples, strongest, line_log_chance(strongest, samples))
     total = np.concatenate([[0.0], np.cumsum(power)])
     width = 2
     while width < _BROAD * power.size:
@@ -84,6 +81,12 @@ def _strongest(
             best = Peak(float(middle), width / (2 * samples), float(inside[at] / width), log_p)
         width *= 2
     return best
+
+
+def line_log_chance(power: float, samples: int) -> float:
+    """Log of the chance that a periodogram of white noise is as strong as this anywhere."""
+    trials = _PADDED_TRIALS * (samples // 2 + 1)
+    return min(0.0, float(np.log(trials) - power))
 
 
 def _log_tail(power: float, width: int) -> float:
@@ -105,19 +108,20 @@ class Sine(NamedTuple):
     gain: float
 
 
-def refine(white: Float[np.ndarray, " samples"], frequency: float, level: float) -> Sine:
-    """The best sinusoid near a peak of the whitened record [cycles per sample].
+def refine(white: Float[np.ndarray, " samples"], peak: Peak, level: float) -> Sine:
+    """The best sinusoid within a peak of the whitened record [cycles per sample].
 
     `level` is the one-sided density of the record there, for a sampling interval of one [u^2].
     Deviations are the Cramer-Rao bounds (Rife and Boorstyn 1974, IEEE Trans. IT 20:591).
     """
     samples = white.size
     time = np.arange(samples) - (samples - 1) / 2
-    step = 0.25 / samples
+    frequency, step = peak.frequency, 0.25 / samples
+    reach = max(4, int(np.ceil(min(peak.half_width / step, _REFINED))))
     for _ in range(6):
-        at = frequency + step * np.arange(-4, 5)
+        at = frequency + step * np.arange(-reach, reach + 1)
         power = [np.abs(np.sum(white * np.exp(-2j * np.pi * f * time))) ** 2 for f in at]
-        frequency, step = float(at[int(np.argmax(power))]), step / 3
+        frequency, step, reach = float(at[int(np.argmax(power))]), step / 3, 4
     gain = 2 * max(power) / samples
     amplitude = float(np.sqrt(2 * gain / samples * level / 2))
     return Sine(

@@ -7,11 +7,20 @@ import numpy as np
 
 from . import _means, _search
 from ._chance import course_score, log_chance, score
-from ._lines import Peak, Sine, refine, scan
+from ._lines import Peak, Sine, line_log_chance, refine, scan
 from ._means import Course
 from ._ordinates import bin_edges
 from ._search import Candidate
-from ._state import Finding, Investigation, add_course, evidence, rebin, whitened_piece, with_course
+from ._state import (
+    Finding,
+    Investigation,
+    add_course,
+    drop_lines,
+    evidence,
+    rebin,
+    whitened_piece,
+    with_course,
+)
 from ._structure import EACH, NARROW, shape_of
 from ._whiten import level
 
@@ -20,6 +29,8 @@ _MOST_LINES = 12
 _LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
+# Ordinates about a line within which nothing else may be.
+_CLOSE = 8
 # Quality and relative width up to which they are usual, and the power with which they become rare.
 _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
 _RARER = 1.5
@@ -112,7 +123,7 @@ def _line_options(state: Investigation) -> list[Option]:
     peak = peaks[0]
     mean = level(state.left, state.variance)
     density = float(np.interp(peak.frequency, state.left.frequency, mean))
-    sine = refine(white, peak.frequency, density)
+    sine = refine(white, peak, density)
 
     def take(rivals: dict[str, float]) -> None:
         _take_line(state, peak, sine, white)
@@ -130,22 +141,30 @@ def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) 
     angle = 2 * np.pi * sine.frequency * time
     basis = np.column_stack([np.cos(angle), np.sin(angle)])
     rest = white - basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
-    near = [
-        other
-        for other in scan(rest, 1e-3)
-        if abs(other.frequency - sine.frequency) < max(8 / samples, 2 * peak.half_width)
+    close = max(_CLOSE / samples, 2 * peak.half_width)
+    # As loosely as the peak was found: what is left of a broad one may be weaker than it.
+    loose = max(1e-3, _LINE_ALARM * state.alarm)
+    beside = [other for other in scan(rest, loose) if abs(other.frequency - sine.frequency) < close]
+    alone = line_log_chance(sine.gain / 2, samples) < np.log(loose)
+    # A line that wanders shows one peak after another within its width.
+    same = [
+        course
+        for course in state.courses
+        if course.name == "sinusoid" and abs(course.shape["frequency"] - sine.frequency) < close
     ]
-    if not near:
+    if alone and not beside and not same:
         course = _means.oscillation(sine.frequency, state.longest[0], state.values.size)
         course.shape["deviation"] = sine.frequency_deviation
-        log_p = peak.log_p
-        add_course(state, course, Finding("sinusoid", log_p, sine.gain))
+        add_course(state, course, Finding("sinusoid", peak.log_p, sine.gain))
         return
     # As wide as what is left beside the middle.
-    spread = [abs(other.frequency - peak.frequency) + other.half_width for other in near]
-    state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread)))
+    spread = [abs(other.frequency - peak.frequency) + other.half_width for other in beside]
+    spread += [abs(course.shape["frequency"] - peak.frequency) for course in same]
+    state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread, 0.0)))
     pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
     state.edges = bin_edges(state.spectrum.longest, pairs)
+    if same:
+        drop_lines(state, same)
     rebin(state)
 
 

@@ -205,6 +205,28 @@ def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     resize(state)
 
 
+def drop_lines(state: Investigation, gone: list[Course]) -> None:
+    """Take back sinusoids that were none."""
+    lines = [at for at, course in enumerate(state.courses) if course.name == "sinusoid"]
+    found = [at for at, finding in enumerate(state.findings) if finding.name == "sinusoid"]
+    # Lines and their findings were added together, and so are in one order.
+    dropped = {
+        (line, finding)
+        for line, finding in zip(lines, found, strict=True)
+        if any(state.courses[line] is course for course in gone)
+    }
+    kept = [at for at in range(len(state.courses)) if at not in {line for line, _ in dropped}]
+    state.courses = [state.courses[at] for at in kept]
+    state.moved = [state.moved[at] for at in kept]
+    bare = {finding for _, finding in dropped}
+    state.findings = [each for at, each in enumerate(state.findings) if at not in bare]
+    if state.courses:
+        resize(state)
+    else:
+        state.sized = None
+        rebin(state)
+
+
 def resize(state: Investigation) -> None:
     """The courses beside the structure as it is now."""
     state.sized = _means.size_up(
