@@ -96,7 +96,7 @@ def parts(theta: Starts, kinds: Kinds, data: Data):
     folded, passed, bump = _shape(theta, kinds, data)
     held = holding(data)
     slow = passed * held / data.repeat
-    angle = np.broadcast_to(holding_angle(data), folded.shape)
+    angle = holding_angle(data) * (folded if kinds.angle_filtered else np.ones_like(folded))
     shape = np.stack([angle, folded * held, slow, slow], axis=2)
     columns = np.asarray(data.bins.expected) * shape * bump[..., None]
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
@@ -134,7 +134,10 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
         folded, passed, bumped = (np.asarray(each) for each in found)
         plain = np.asarray(data.bins.expected) * power[:, None]
         held = holding(data)
-        slope = folded * (plain[..., 1] * held * bump)[..., None]
+        white = plain[..., 1] * held
+        if kinds.angle_filtered:
+            white = white + plain[..., 0] * holding_angle(data)
+        slope = folded * (white * bump)[..., None]
         slow = (plain[..., 2] + plain[..., 3]) * held / data.repeat
         slope = slope + passed * (slow * bump)[..., None]
         blocks.append(slope + bumped * (total / bump)[..., None])

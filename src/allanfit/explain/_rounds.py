@@ -125,10 +125,15 @@ def _line_options(state: Investigation) -> list[Option]:
     density = float(np.interp(peak.frequency, state.left.frequency, mean))
     sine = refine(white, peak, density)
 
-    def take(rivals: dict[str, float]) -> None:
-        _take_line(state, peak, sine, white)
+    name = "line" if _sharp(peak, white.size) else "band"
 
-    name = "line" if peak.half_width * white.size <= _LINE_WIDTH / 2 else "band"
+    def take(rivals: dict[str, float]) -> None:
+        if name == "line":
+            _take_line(state, peak, sine, white)
+        else:
+            # All at once, since bands only say where bins must be fine.
+            _take_bands(state, [each for each in peaks if not _sharp(each, white.size)])
+
     # On the scale of the other options' chances, which have an alarm of their own.
     log_p = peak.log_p - np.log(_LINE_ALARM)
     return [Option(name, log_p, sine.gain, sine.gain, take)]
@@ -160,12 +165,21 @@ def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) 
     # As wide as what is left beside the middle.
     spread = [abs(other.frequency - peak.frequency) + other.half_width for other in beside]
     spread += [abs(course.shape["frequency"] - peak.frequency) for course in same]
-    state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread, 0.0)))
-    pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
-    state.edges = bin_edges(state.spectrum.longest, pairs)
     if same:
         drop_lines(state, same)
+    _take_bands(state, [peak._replace(half_width=max(peak.half_width, *spread, 0.0))])
+
+
+def _take_bands(state: Investigation, peaks: list[Peak]) -> None:
+    """Finer bins about these peaks, for the noises of narrow bands."""
+    state.peaks += peaks
+    pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
+    state.edges = bin_edges(state.spectrum.longest, pairs)
     rebin(state)
+
+
+def _sharp(peak: Peak, samples: int) -> bool:
+    return peak.half_width * samples <= _LINE_WIDTH / 2
 
 
 def _smooth_options(state: Investigation) -> list[Option]:

@@ -23,6 +23,8 @@ from ._structure import (
 # Starts are filled up to this many, for few compilations.
 _STARTS = 8
 _MOST_ADDED = 3
+# Part of the spectrum that a term is given to start with.
+_FAINT = 1e-4
 
 
 class Model(NamedTuple):
@@ -47,14 +49,16 @@ Start = tuple[str, Kinds, np.ndarray]
 
 def five_terms(power: np.ndarray, data: Data) -> Model:
     """The five-term model at its best, from squared coefficients for a sampling interval of one."""
-    # A term at zero may still be wanted by finer bins: it starts where it hardly shows.
-    level = np.median(data.bins.density[data.bins.used])
-    strongest = np.asarray(data.bins.expected)[data.bins.used].max(axis=0)
-    return best([(Kinds(), np.log(np.maximum(power, 1e-4 * level / strongest)))], data)[0]
+    with np.errstate(divide="ignore"):
+        return best([(Kinds(), np.log(power))], data)[0]
 
 
 def best(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[Model]:
     """Where each start leads; neighbours of one kind climb together."""
+    # A term at zero may still be wanted by finer bins or beside other effects, but a power whose
+    # logarithm runs away never returns: it starts where it hardly shows.
+    level = np.median(data.bins.density[data.bins.used])
+    least = np.log(_FAINT * level / np.asarray(data.bins.expected)[data.bins.used].max(axis=0))
     found: list[Model] = []
     begin = 0
     while begin < len(starts):
@@ -63,6 +67,7 @@ def best(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[Model]:
         while stop < min(len(starts), begin + _STARTS) and starts[stop][0] == kinds:
             stop += 1
         group = np.stack([theta for _, theta in starts[begin:stop]])
+        group[:, :TERMS] = np.maximum(group[:, :TERMS], least)
         # A few sizes of groups are all that is ever compiled.
         count = 1 if len(group) == 1 else _STARTS
         filled = np.concatenate([group, np.repeat(group[-1:], count - len(group), axis=0)])

@@ -71,6 +71,11 @@ class Kinds(NamedTuple):
         """Whether it holds a low-pass filter of either kind."""
         return self.shaping in FILTERS
 
+    @property
+    def angle_filtered(self) -> bool:
+        """Whether quantization comes before the filter, as in a converter before a processor."""
+        return self.shaping == "digital_low_pass"
+
 
 class Data(NamedTuple):
     """A binned spectrum beside what is known of it before the fit."""
@@ -160,7 +165,7 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
         # Butterworth by the bilinear transform, at the output rate: nothing folds.
         cutoff, order = shape_of(shaping, three, samples)
         # The zero at the Nyquist frequency is filled by whatever noise comes after the filter.
-        ratio = jnp.tan(jnp.pi * jnp.minimum(middle, 0.49)) / jnp.tan(jnp.pi * cutoff)
+        ratio = jnp.tan(jnp.pi * jnp.minimum(middle, 0.499)) / jnp.tan(jnp.pi * cutoff)
         passed = jax.nn.sigmoid(-2 * order * jnp.log(ratio))
         return passed, passed, jnp.ones_like(middle)
     if shaping == "bump":
@@ -184,7 +189,8 @@ def columns(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "bins terms"
     held = holding(data)
     # What is slow is held as well, and white noise is folded on top.
     slow = passed * held / data.repeat
-    shape = jnp.stack([jnp.asarray(holding_angle(data)), folded * held, slow, slow], axis=1)
+    angle = jnp.asarray(holding_angle(data)) * (folded if kinds.angle_filtered else 1.0)
+    shape = jnp.stack([angle, folded * held, slow, slow], axis=1)
     return jnp.asarray(data.bins.expected) * shape * bump[:, None]
 
 

@@ -33,6 +33,8 @@ _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
 _FINE = 0.1
+# A swing to and fro turns at sqrt(2) times its rms.
+_TURN = 1.6
 # A swing of the noise is looked for between so many periods and so few samples a period.
 _FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
 _TILE = 256
@@ -64,6 +66,7 @@ def look_again(state: Investigation) -> None:
     _swing(state, broad)
     _combs(state)
     _sweeps(state, white)
+    _turns(state)
     _other_spectrum(state, broad)
     _bump_instead(state)
 
@@ -139,6 +142,19 @@ def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
             state.disowned |= {each.name for each in group}
             width = max(main.width / main.middle, 1e-6)
             state.unknown.append(Unknown(main.middle, width, why, period))
+
+
+def _turns(state: Investigation) -> None:
+    """A line that wanders to and fro dwells where it turns, and looks like a sinusoid there."""
+    if "drifting_line" in state.disowned:
+        return
+    lines = [c.shape["frequency"] for c in state.courses if c.name == "sinusoid"]
+    wandering = [one for group in _narrow(state) for one in group if one.name == "drifting_line"]
+    state.disowned_lines += [
+        line
+        for line in lines
+        if any(abs(line - one.middle) < _TURN * one.width for one in wandering)
+    ]
 
 
 def _swept(
