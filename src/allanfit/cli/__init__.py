@@ -31,6 +31,7 @@ from ..report import format_text, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._explain import explain
+from ._fleet import fleet
 from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
 
 app = typer.Typer(
@@ -85,6 +86,7 @@ def fit(
 
 
 app.command()(explain)
+app.command()(fleet)
 
 
 @app.command()

@@ -37,7 +37,7 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
             n_workers=workers or _cores(),
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,
+            dashboard_address=None,  # pyright: ignore[reportArgumentType] - none, it means
             silence_logs=logging.CRITICAL,
         ) as cluster,
         _client(distributed, cluster) as client,

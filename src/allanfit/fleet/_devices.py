@@ -1,8 +1,9 @@
 """Which channels are one quantity on several devices."""
 
+import os
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,3 +39,32 @@ def places(recording: str, channels: Sequence[str]) -> dict[str, Place]:
         else:
             found[name] = Place(name, own)
     return found
+
+
+def labels(devices: Iterable[tuple[str, str]]) -> dict[tuple[str, str], str]:
+    """A short name for each (path of the recording, device), no two the same.
+
+    The devices of one recording go by their numbers, and recordings of one name in different
+    folders by as much of their paths as differs.
+    """
+    devices = dict.fromkeys(devices)
+    paths = {path for path, _ in devices}
+    if len(paths) == 1:
+        return {(path, name): name.rpartition("/")[2] for path, name in devices}
+    times = Counter(name for _, name in devices)
+    common = os.path.commonpath([Path(path).parent for path in paths])
+    found = {}
+    for path, name in devices:
+        folder = Path(path).parent.relative_to(common).as_posix()
+        found[path, name] = name if times[name] == 1 else f"{folder}/{name}".removeprefix("./")
+    # Files that differ by their type alone go by their whole names.
+    times = Counter(found.values())
+    return {
+        (path, name): label if times[label] == 1 else _whole(path, name)
+        for (path, name), label in found.items()
+    }
+
+
+def _whole(path: str, device: str) -> str:
+    _, slash, number = device.rpartition("/")
+    return f"{path}{slash}{number}" if slash else path

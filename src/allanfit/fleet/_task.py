@@ -104,6 +104,7 @@ def _rows(task: Task) -> list[Row]:
         posterior=False,
         sampling=options.sampling,
         temperature=options.temperature,
+        pieces="misfits",
         seed=options.seed,
     )
     return rows_of_fit(task.path, result)

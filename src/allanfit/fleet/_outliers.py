@@ -1,0 +1,62 @@
+"""Which devices do not belong: the generalised extreme studentised deviate test.
+
+The device farthest from the others is set aside, again and again, up to a third of them; each
+time its distance from the middle of those that remain is measured in what they scatter, and
+judged by Student's t. Outliers are the longest row of such devices that ends with one beyond its
+critical value, so that two bad devices cannot hide one another (Rosner, Technometrics 25, 165,
+1983). Here each device also has an error of its own, the scatter between devices is that beyond
+the errors, and `alpha` is shared out to the steps, since Rosner's values are too small for ten
+devices. Where none is odd and all are normal, any is named in at most `alpha` of all fleets;
+benchmarks/fleet.py counts.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import t as student
+
+from ._spread import Values, centre
+
+#: With fewer, nobody can say which of them is odd.
+FEWEST = 5
+_LARGEST_SHARE = 3  # one in so many devices may be an outlier
+
+
+class Deviate(NamedTuple):
+    """A device that does not belong."""
+
+    index: int
+    distance: float
+    """From the middle of the others, in the unit of the values."""
+    deviations: float
+    """The same in standard deviations of what the others let expect."""
+
+
+def outliers(values: Values, errors: Values, alpha: float) -> list[Deviate]:
+    """The devices that do not belong, the farthest first; none among fewer than `FEWEST`.
+
+    **Arguments:** `values` and their standard `errors`, both of shape (devices,); `alpha` is the
+    chance of naming any where there is none.
+    """
+    if len(values) < FEWEST:
+        return []
+    kept = np.arange(len(values))
+    aside: list[Deviate] = []
+    last = 0
+    most = len(values) // _LARGEST_SHARE
+    for step in range(1, most + 1):
+        among = centre(values[kept], errors[kept])
+        scaled = np.abs(values[kept] - among.middle) / np.hypot(among.tau, errors[kept])
+        farthest = kept[int(np.argmax(scaled))]
+        rest = kept[kept != farthest]
+        others = centre(values[rest], errors[rest])
+        distance = float(values[farthest] - others.middle)
+        variance = others.tau**2 + errors[farthest] ** 2 + others.variance
+        deviations = distance / float(np.sqrt(variance))
+        aside.append(Deviate(int(farthest), distance, deviations))
+        # The farthest of so many, to either side, against a scatter known from all but two.
+        p_value = 2 * len(kept) * float(student.sf(abs(deviations), len(kept) - 2))
+        if p_value < alpha / most:
+            last = step
+        kept = rest
+    return sorted(aside[:last], key=lambda each: -abs(each.deviations))
