@@ -5,6 +5,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -17,11 +18,14 @@ from ._spread import Spread, spread
 #: Chance of naming any outlier in a fleet without one.
 FALSE_ALARM = 0.01
 #: The same shared out: to coefficients, to the fit as a whole, and to the end of the spectrum.
-_SHARES = {"coefficient": 0.5, "fit": 0.25, "spectrum": 0.25}
+_SHARES = {"coefficient": 0.7, "fit": 0.15, "spectrum": 0.15}
 # A fleet is compared by values where so many devices resolve them, else by limits.
 _MOSTLY = 0.75
 _MISFIT = 0.01
 _QUANTILE_95 = 1.959964
+
+
+Bound = Literal["its value", "its limit", "limits"]
 
 
 @dataclass(frozen=True)
@@ -65,9 +69,10 @@ class Outlier:
     """A symbol, "fit" or "spectrum"."""
     number: float
     """How many times the middle of the others; the p-value; the score."""
-    deviations: float | None
+    bound: Bound | None
+    """For a coefficient, whether it or the middle is a limit."""
     usual: float | None
-    """The middle of the others' scores; None for the others."""
+    """For the spectrum, the middle of the others' scores."""
     findings: tuple[tuple[str, int], ...]
     """What its fit says, and how many of the others' say the same."""
     others: int
@@ -117,7 +122,12 @@ def compare(rows: Sequence[Row]) -> Comparison:
             coefficients.append(coefficient)
             found += [
                 _outlier(
-                    group, devices, each.index, symbol, math.exp(each.distance), each.deviations
+                    group,
+                    devices,
+                    each.index,
+                    symbol,
+                    math.exp(each.distance),
+                    bound=_bound(coefficient, each.index),
                 )
                 for each in odd
             ]
@@ -139,20 +149,22 @@ def _coefficient(
     value = np.where(resolved, [row[names["value"]] for row in group] * scale, limit)
     low, high = (np.array([row[names[end]] for row in group]) * scale for end in ("low", "high"))
     with np.errstate(divide="ignore", invalid="ignore"):
-        # A resolved term is told with its error; a limit scatters by itself.
-        errors = np.where(resolved, np.log(high / low) / 2 / _QUANTILE_95, 0.0)
+        errors = np.log(high / low) / 2 / _QUANTILE_95
         logs = np.log(value)
     mostly = resolved.mean() >= _MOSTLY
-    used = np.flatnonzero(np.isfinite(logs) & np.isfinite(errors) & (resolved | ~mostly))
+    # A limit has no error of its own: among values it counts as one of them, and limits scatter.
+    errors = np.where(resolved, errors, np.median(errors[resolved]) if mostly else 0.0)
+    # Among values, a limit tells something where it is below them.
+    below = logs < np.median(logs[resolved]) if mostly else np.ones(len(logs), bool)
+    used = np.flatnonzero(np.isfinite(logs) & np.isfinite(errors) & (resolved | below))
     odd = [
         Deviate(int(used[each.index]), each.distance, each.deviations)
-        for each in outliers(logs[used], errors[used], alpha)
+        for each in outliers(logs[used], errors[used], alpha, above=not mostly)
     ]
-    if not mostly:
-        # Only what is seen stands out among limits.
-        odd = [each for each in odd if resolved[each.index] and each.distance > 0]
+    # Only what is seen stands out among limits.
+    odd = [each for each in odd if mostly or resolved[each.index]]
     taken_out = {each.index for each in odd}
-    rest = [index for index in used if index not in taken_out]
+    rest = [index for index in used if resolved[index] and index not in taken_out]
     unit = next(row[names["unit"]] for row in group if row["si_factor"] == factor)
     points = tuple(
         Point(
@@ -169,6 +181,12 @@ def _coefficient(
     return Coefficient(symbol, unit, points, whole), odd
 
 
+def _bound(coefficient: Coefficient, index: int) -> Bound:
+    if coefficient.spread is None:
+        return "limits"
+    return "its value" if coefficient.points[index].resolved else "its limit"
+
+
 def _odd_fits(group: Sequence[Row], devices: Sequence[str], alpha: float) -> list[Outlier]:
     """Devices that the five terms do not describe, in a fleet that they do."""
     p_values = np.array([row["p_value"] for row in group])
@@ -181,7 +199,7 @@ def _odd_fits(group: Sequence[Row], devices: Sequence[str], alpha: float) -> lis
 def _odd_spectra(group: Sequence[Row], devices: Sequence[str], alpha: float) -> list[Outlier]:
     """Devices whose spectrum falls toward the Nyquist frequency more than the others'."""
     scores = np.array([row["nyquist_score"] for row in group])
-    odd = outliers(scores, np.ones(len(scores)), alpha)
+    odd = outliers(-scores, np.ones(len(scores)), alpha, above=True)
     return [
         _outlier(
             group,
@@ -189,11 +207,9 @@ def _odd_spectra(group: Sequence[Row], devices: Sequence[str], alpha: float) -> 
             each.index,
             "spectrum",
             float(scores[each.index]),
-            each.deviations,
-            float(scores[each.index]) - each.distance,
+            usual=float(scores[each.index]) + each.distance,
         )
         for each in odd
-        if each.distance < 0
     ]
 
 
@@ -203,7 +219,8 @@ def _outlier(
     index: int,
     subject: str,
     number: float,
-    deviations: float | None = None,
+    *,
+    bound: Bound | None = None,
     usual: float | None = None,
 ) -> Outlier:
     row = group[index]
@@ -216,7 +233,7 @@ def _outlier(
         channel=row["channel"],
         subject=subject,
         number=number,
-        deviations=deviations,
+        bound=bound,
         usual=usual,
         findings=tuple((text, said[_gist(text)]) for text in row["findings"]),
         others=len(others),

@@ -3,8 +3,9 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
+from ..report._format import significant
 from ..report._panels import BAND_COLOUR, COLOURS, say_empty, style
 from ..report._units import typeset
 from ._compare import Coefficient, Quantity
@@ -27,16 +28,16 @@ def draw_quantity(quantity: Quantity) -> Figure:
     shown = [each for each in quantity.coefficients if each.symbol in _SHOWN]
     width, height = _PANEL_INCHES
     names = _short(quantity.devices)
-    below = 0.45 + 0.055 * max(map(len, names)) if names else 0.45
+    below = 0.12 + 0.06 * max(map(len, names)) if names else 0.45
     with style():
         sheet = Figure(figsize=(width * len(shown), height + below))
         panels = sheet.subplots(1, len(shown), squeeze=False)[0]
         sheet.subplots_adjust(
-            left=0.24 / len(shown) + 0.005,
+            left=0.085,
             right=0.99,
             bottom=below / (height + below),
             top=1 - 0.08 / (height + below),
-            wspace=0.36,
+            wspace=0.4,
         )
         for axes, coefficient in zip(panels, shown, strict=True):
             _draw(axes, coefficient)
@@ -101,13 +102,11 @@ def _draw(axes: Axes, coefficient: Coefficient) -> None:
 
 
 def _label_decades(axes: Axes) -> None:
-    """Numbers on the minor ticks too, where the frame holds few powers of ten."""
+    """Round numbers along an axis that holds too few powers of ten to be read by them."""
     low, high = axes.get_ylim()
     if np.log10(high / low) > _FEW_DECADES:
         return
-    axes.yaxis.set_minor_locator(LogLocator(subs=(1.5, 2, 3, 4, 5, 6, 7, 8, 9)))
-    axes.yaxis.set_minor_formatter(
-        LogFormatterSciNotation(minor_thresholds=(2, 0.5))
-        if np.log10(high / low) > 0.2
-        else NullFormatter()
-    )
+    axes.yaxis.set_major_locator(FixedLocator(MaxNLocator(5).tick_values(low, high)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: significant(value, 3)))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_ylim(low, high)

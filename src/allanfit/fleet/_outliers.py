@@ -32,31 +32,33 @@ class Deviate(NamedTuple):
     """The same in standard deviations of what the others let expect."""
 
 
-def outliers(values: Values, errors: Values, alpha: float) -> list[Deviate]:
+def outliers(values: Values, errors: Values, alpha: float, *, above: bool = False) -> list[Deviate]:
     """The devices that do not belong, the farthest first; none among fewer than `FEWEST`.
 
     **Arguments:** `values` and their standard `errors`, both of shape (devices,); `alpha` is the
-    chance of naming any where there is none.
+    chance of naming any where there is none. With `above`, only what is larger than the others.
     """
     if len(values) < FEWEST:
         return []
     kept = np.arange(len(values))
     aside: list[Deviate] = []
     last = 0
-    most = len(values) // _LARGEST_SHARE
-    for step in range(1, most + 1):
+    for step in range(1, len(values) // _LARGEST_SHARE + 1):
         among = centre(values[kept], errors[kept])
-        scaled = np.abs(values[kept] - among.middle) / np.hypot(among.tau, errors[kept])
-        farthest = kept[int(np.argmax(scaled))]
+        scaled = (values[kept] - among.middle) / np.hypot(among.tau, errors[kept])
+        farthest = kept[int(np.argmax(scaled if above else np.abs(scaled)))]
         rest = kept[kept != farthest]
         others = centre(values[rest], errors[rest])
         distance = float(values[farthest] - others.middle)
         variance = others.tau**2 + errors[farthest] ** 2 + others.variance
         deviations = distance / float(np.sqrt(variance))
         aside.append(Deviate(int(farthest), distance, deviations))
-        # The farthest of so many, to either side, against a scatter known from all but two.
-        p_value = 2 * len(kept) * float(student.sf(abs(deviations), len(kept) - 2))
-        if p_value < alpha / most:
+        # The farthest of so many against a scatter known from all but two of them.
+        tail = deviations if above else abs(deviations)
+        sides = 1 if above else 2
+        p_value = sides * len(kept) * float(student.sf(tail, len(kept) - 2))
+        # These shares of the chance add up to one, whatever the number of steps.
+        if p_value < alpha / (step * (step + 1)):
             last = step
         kept = rest
     return sorted(aside[:last], key=lambda each: -abs(each.deviations))

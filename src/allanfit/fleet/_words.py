@@ -88,17 +88,16 @@ def outlier_sentence(outlier: Outlier) -> str:
             f"{where}: the five terms do not describe the noise ({p_value(outlier.number)}), as "
             "they do that of most others."
         )
-    deviations = significant(abs(outlier.deviations or 0.0), 2)
     if outlier.subject == "spectrum":
         return (
             f"{where}: the spectrum falls toward the Nyquist frequency by "
             f"{significant(-outlier.number, 2)} standard deviations (the others': "
             f"{significant(-(outlier.usual or 0.0), 2)}), as behind a low-pass filter."
         )
-    return (
-        f"{where}: {outlier.subject} is {significant(outlier.number, 3)} times the fleet's middle "
-        f"({deviations} standard deviations of what the others let expect)."
-    )
+    below = "below " if outlier.bound == "its limit" else ""
+    middle = "the usual upper limit" if outlier.bound == "limits" else "the fleet's middle"
+    times = significant(outlier.number, 3)
+    return f"{where}: {outlier.subject} is {below}{times} times {middle}."
 
 
 def finding_sentence(finding: str, shared: int, others: int) -> str:
