@@ -26,8 +26,9 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
     """
     with fleet_extra():
         import distributed
-    # What concerns the user is said by the command.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    # What concerns the user is said by the command. The levels are those that dask sets.
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     if scheduler is not None:
         with _client(distributed, scheduler) as client:
             yield client
