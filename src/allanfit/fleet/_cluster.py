@@ -38,7 +38,7 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
             n_workers=workers or _cores(),
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,  # pyright: ignore[reportArgumentType] - none, it means
+            dashboard_address="127.0.0.1:0",  # any port that is free
             silence_logs=logging.CRITICAL,
         ) as cluster,
         _client(distributed, cluster) as client,

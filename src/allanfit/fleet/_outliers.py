@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t as student
 
-from ._spread import Values, centre
+from ._spread import SMALLEST_ERROR, Values, centre
 
 #: With fewer, nobody can say which of them is odd.
 FEWEST = 5
@@ -40,6 +40,7 @@ def outliers(values: Values, errors: Values, alpha: float, *, above: bool = Fals
     """
     if len(values) < FEWEST:
         return []
+    errors = np.maximum(errors, SMALLEST_ERROR)
     kept = np.arange(len(values))
     aside: list[Deviate] = []
     last = 0

@@ -19,8 +19,8 @@ from scipy.stats import chi2, t
 
 Values = Float[np.ndarray, " devices"]
 
-# Below any spread of interest in a logarithm, and kept from zero, at which Q has a pole.
-_SMALLEST_ERROR = 1e-9
+#: Below any spread of interest in a logarithm, and kept from zero, at which Q has a pole.
+SMALLEST_ERROR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def spread(values: Values, errors: Values) -> Spread:
     **Arguments:** the `values`, and their standard `errors`, both of shape (devices,).
     """
     freedom = len(values) - 1
-    errors = np.maximum(errors, _SMALLEST_ERROR)
+    errors = np.maximum(errors, SMALLEST_ERROR)
     found = centre(values, errors)
     reach = float(t.ppf(0.975, freedom) * np.sqrt(found.variance))
     low, high = (_at(float(chi2.ppf(q, freedom)), values, errors) for q in (0.975, 0.025))
@@ -73,7 +73,7 @@ def spread(values: Values, errors: Values) -> Spread:
 
 def centre(values: Values, errors: Values) -> Centre:
     """Where devices are and how far apart, without intervals."""
-    errors = np.maximum(errors, _SMALLEST_ERROR)
+    errors = np.maximum(errors, SMALLEST_ERROR)
     variance = _at(len(values) - 1.0, values, errors)
     middle, weight, _ = _weighed(variance, values, errors)
     return Centre(middle, float(np.sqrt(variance)), 1 / weight)
