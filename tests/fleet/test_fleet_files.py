@@ -57,6 +57,7 @@ def test_numbers_at_the_end_tell_devices_apart_only_if_there_are_several():
 def test_labels_are_short_and_never_the_same():
     one = {("/a/bench.npz", "bench/01"): "01", ("/a/bench.npz", "bench/02"): "02"}
     assert labels(one) == one
+    assert labels([]) == {}
     assert labels([("/a/1/still.npz", "still"), ("/a/2/still.npz", "still")]) == {
         ("/a/1/still.npz", "still"): "1/still",
         ("/a/2/still.npz", "still"): "2/still",

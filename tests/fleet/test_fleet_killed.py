@@ -35,10 +35,14 @@ def wait_for(condition):
 def start(tmp_path):
     """Start a program in a process group of its own, killed at the end if it still runs."""
     started = []
+    # Small programs too are taken from the folder that the tests share.
+    environment = os.environ | {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
 
     def launch(*command):
         with (tmp_path / f"{len(started)}.log").open("wb") as log:
-            process = subprocess.Popen(command, stderr=log, stdout=log, start_new_session=True)
+            process = subprocess.Popen(
+                command, stderr=log, stdout=log, start_new_session=True, env=environment
+            )
         process.log = tmp_path / f"{len(started)}.log"
         started.append(process)
         return process

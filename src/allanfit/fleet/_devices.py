@@ -49,7 +49,7 @@ def labels(devices: Iterable[tuple[str, str]]) -> dict[tuple[str, str], str]:
     """
     devices = dict.fromkeys(devices)
     paths = {path for path, _ in devices}
-    if len(paths) == 1:
+    if len(paths) < 2:
         return {(path, name): name.rpartition("/")[2] for path, name in devices}
     times = Counter(name for _, name in devices)
     common = os.path.commonpath([Path(path).parent for path in paths])
