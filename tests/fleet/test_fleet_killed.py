@@ -83,6 +83,14 @@ def _two_done_and_one_held(output):
     return wait_for(lambda: (done := _parts(output)) and len(done) == 2 and done)
 
 
+def _held(pipe):
+    """A descriptor, once a worker has the pipe open; None before."""
+    try:
+        return os.open(pipe, os.O_WRONLY | os.O_NONBLOCK)
+    except OSError:
+        return None
+
+
 def _complete(output):
     data = polars.read_parquet(output / "results" / "*.parquet")
     return sorted(data["recording"]) == ["unit_1.npz", "unit_2.npz", "unit_3.npz"]
@@ -102,20 +110,13 @@ def test_a_killed_worker_is_replaced(files, tmp_path, start):
     assert (output / "summary.html").exists()
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
-def test_a_stopped_command_goes_on_where_it_was(how, files, tmp_path, start, scheduler):
+def test_a_killed_command_goes_on_where_it_was(files, tmp_path, start, scheduler):
     output = tmp_path / "fleet"
     command = start(*_COMMAND, *map(str, files), "--output", str(output), "--workers", "1")
     before = _two_done_and_one_held(output)
     workers = _children(command)
-    # As a terminal does: to the command and its workers alike.
-    os.killpg(command.pid, how) if how == signal.SIGINT else command.kill()
-    status = command.wait(_PATIENCE_S)
-    if how == signal.SIGINT:
-        told = command.log.read_text()
-        assert status == 1
-        assert "allanfit: Interrupted with 2 of 3 recordings done" in told
-        assert len(told.splitlines()) == 1, told
+    command.kill()
+    command.wait(_PATIENCE_S)
     # No worker outlives its command.
     wait_for(lambda: not any(each.is_running() for each in workers))
     _let_go(files)
@@ -123,6 +124,21 @@ def test_a_stopped_command_goes_on_where_it_was(how, files, tmp_path, start, sch
     assert (run.analysed, run.unchanged) == (1, 2)
     assert before.items() <= _parts(output).items()
     assert _complete(output)
+
+
+def test_an_interrupted_command_says_how_to_go_on(files, tmp_path, start):
+    pipe = files[2]
+    command = start(*_COMMAND, str(pipe), "--output", str(tmp_path / "fleet"), "--workers", "1")
+    held = wait_for(lambda: _held(pipe))
+    workers = _children(command)
+    # As a terminal does: to the command and its workers alike.
+    os.killpg(command.pid, signal.SIGINT)
+    assert command.wait(_PATIENCE_S) == 1
+    os.close(held)
+    told = command.log.read_text()
+    assert "allanfit: Interrupted with 0 of 1 recordings done; they are kept" in told
+    assert len(told.splitlines()) == 1, told
+    wait_for(lambda: not any(each.is_running() for each in workers))
 
 
 def test_a_killed_scheduler_is_said_and_another_goes_on(files, tmp_path, start, scheduler):

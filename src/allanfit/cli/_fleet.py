@@ -56,14 +56,11 @@ def fleet(
         )
         progress.update(bar, description="comparing")
         comparison = compare(run.rows)
-    page = output / "summary.html"
-    if comparison.quantities:
-        typer.echo(format_summary(run, comparison))
-        write_summary(run, comparison, page)
     if len(run.errors) == len(run.recordings):
-        raise FleetError(
-            f"None of {len(run.errors)} recordings could be analysed; the first: {run.errors[0][1]}"
-        )
+        raise FleetError(f"No recording could be analysed. {run.errors[0][1]}")
+    page = output / "summary.html"
+    typer.echo(format_summary(run, comparison))
+    write_summary(run, comparison, page)
     if run.errors:
         typer.echo(
             f"allanfit: {len(run.errors)} of {len(run.recordings)} recordings could not be "
