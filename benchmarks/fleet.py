@@ -1,7 +1,7 @@
 """How often does a fleet without an odd device have one named, and how often is one found?
 
-    python -m benchmarks.fleet                    # ten minutes on two cores
-    python -m benchmarks.fleet --fleets 100
+    python -m benchmarks.fleet                    # twenty minutes of one core
+    python -m benchmarks.fleet --fleets 50
 
 Two studies. The rule alone: N of devices that differ by tau, each with an error of its own, is
 drawn from the model of the test. The whole way: recordings are simulated in the time domain by
@@ -106,7 +106,7 @@ def whole_way(fleets, devices, tau):
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--fleets", type=int, default=400)
+    parser.add_argument("--fleets", type=int, default=200)
     options = parser.parse_args(arguments)
     jax.config.update("jax_enable_x64", True)
     document = {
