@@ -1,7 +1,7 @@
-"""Compilation made short for programs that start, compute and end.
+"""JAX's settings for programs that start, compute and end.
 
-A library leaves JAX's settings alone; the command line and the tests, which are programs, call
-this.
+A library leaves them alone; the command line, the workers of a fleet and the tests, which are
+programs, call this.
 """
 
 import os
@@ -12,6 +12,15 @@ import jax
 
 # The programs of one fit take less than a megabyte; every new length adds a part of that.
 _MOST_BYTES = 256 * 2**20
+
+
+def configure_program() -> None:
+    """Float64, and compiled programs kept for the user, in a process that is ours."""
+    # It comes with the extras that make programs.
+    from platformdirs import user_cache_path
+
+    jax.config.update("jax_enable_x64", True)
+    shorten_compilation(user_cache_path("allanfit") / "compiled")
 
 
 def shorten_compilation(folder: Path) -> None:

@@ -10,19 +10,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-import jax
 import numpy as np
 
 try:
     import typer
-    from platformdirs import user_cache_path
 
     from ._progress import channel_by_channel, progress_bar
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
 from ..coefficients import read_coefficients
-from ..compilation import shorten_compilation
+from ..compilation import configure_program
 from ..demo import TRUTH, demonstrate
 from ..export import FORMATS, Options, parse_walk
 from ..export import export as export_fit
@@ -33,6 +31,7 @@ from ..report import format_text, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._explain import explain
+from ._fleet import fleet
 from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
 
 app = typer.Typer(
@@ -87,6 +86,7 @@ def fit(
 
 
 app.command()(explain)
+app.command()(fleet)
 
 
 @app.command()
@@ -243,18 +243,12 @@ def _deliver(result: RecordingFit, json: str | None, report: Path | None) -> Non
         typer.echo(f"\nPage with figures: {report}", err=True)
 
 
-def _configure_jax() -> None:
-    """Float64, and compiled programs that are kept, in a process that is ours."""
-    jax.config.update("jax_enable_x64", True)
-    # Which of its fonts a machine lacks is no matter of the user's.
-    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
-    shorten_compilation(user_cache_path("allanfit") / "compiled")
-
-
 def main(argv: Sequence[str]) -> int:
     """Run one command; returns the exit status."""
-    _configure_jax()
+    # Which of its fonts a machine lacks is no matter of the user's.
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     try:
+        configure_program()
         app(args=list(argv))
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else 1

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any, Protocol, overload, runtime_checkable
+from typing import Any, Literal, Protocol, overload, runtime_checkable
 
 import jax.numpy as jnp
 import numpy as np
@@ -179,6 +179,7 @@ def fit_recording(
     posterior: bool = True,
     sampling: Sampling = "point",
     temperature: Treatment = "show",
+    pieces: Literal["all", "misfits"] = "all",
     seed: int = 0,
     announce: Callable[[str], None] = lambda channel: None,
     done: Callable[[], None] = lambda: None,
@@ -193,6 +194,8 @@ def fit_recording(
     - `temperature`: what to do with a temperature in the recording. "show" estimates its effect
       and keeps the coefficients of the samples as they are, which is what a filter meets that
       does not compensate; "remove" gives those with the effect taken out; "ignore" does neither.
+    - `pieces`: which channels are told the influence of their pieces, "all" or the "misfits" that
+      the five terms do not fit. It takes several times as long as the fit.
     - `announce`, `done`: called with each channel's name before its fit, and after it.
     """
     fits = []
@@ -219,8 +222,10 @@ def fit_recording(
         if posterior and bool(result.converged):
             drawn = sample(result, seed=seed)
             result = result.with_draws(drawn.draws.reshape(-1, len(STANDARD_TERMS)))
-        pieces = _influence(samples, channel.stretches, result)
-        fits.append(ChannelFit(channel, result, drawn, pieces, found, remarks))
+        parts = None
+        if pieces == "all" or float(result.goodness_of_fit) < _MISFIT:
+            parts = _influence(samples, channel.stretches, result)
+        fits.append(ChannelFit(channel, result, drawn, parts, found, remarks))
         done()
     return RecordingFit(recording, tuple(fits))
 

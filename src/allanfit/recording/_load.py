@@ -4,7 +4,7 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -108,11 +108,19 @@ def load(
     )
 
 
-def _read(path: Path) -> Table:
+def is_recording(path: Path) -> bool:
+    """Whether the name of a file is that of a type that `load` reads."""
+    return _reader(path) is not None
+
+
+def _reader(path: Path) -> Callable[[Path], Table] | None:
     suffix = path.with_suffix("").suffix if path.suffix == ".gz" else path.suffix
     reader = _READERS.get(suffix.lower())
-    if path.suffix == ".gz" and reader is not read_csv:
-        reader = None
+    return None if path.suffix == ".gz" and reader is not read_csv else reader
+
+
+def _read(path: Path) -> Table:
+    reader = _reader(path)
     try:
         if path.is_dir():
             raise RecordingError(f"{path} is a folder: give the file of a recording.")

@@ -1,0 +1,63 @@
+"""Workers: processes of this machine, or those of a scheduler that is running."""
+
+import logging
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from ._errors import FleetError, fleet_extra
+
+if TYPE_CHECKING:
+    import distributed
+
+_PATIENCE_S = 10  # for a scheduler to answer
+
+
+@contextmanager
+def connected(scheduler: str | None, workers: int | None) -> "Iterator[distributed.Client]":
+    """A client of the scheduler at that address, or of `workers` processes started here.
+
+    A worker is a process with one thread, so that it holds one recording at a time, and may take
+    its share of the machine's memory. By default there is one a core.
+
+    **Raises** `FleetError` if the scheduler cannot be reached.
+    """
+    with fleet_extra():
+        import distributed
+    # What concerns the user is said by the command. The levels are those that dask sets.
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    if scheduler is not None:
+        with _client(distributed, scheduler) as client:
+            yield client
+        return
+    with (
+        distributed.LocalCluster(
+            n_workers=workers or _cores(),
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",  # any port that is free
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        _client(distributed, cluster) as client,
+    ):
+        yield client
+
+
+def _cores() -> int:
+    """The cores that this process may use, which a batch system may limit."""
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _client(distributed, where) -> "distributed.Client":
+    try:
+        return distributed.Client(where, timeout=_PATIENCE_S, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise FleetError(
+            f"No scheduler answers at {where}: start one with `dask scheduler` and give the "
+            "address that it prints, such as tcp://10.0.0.5:8786."
+        ) from error
