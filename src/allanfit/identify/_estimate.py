@@ -108,8 +108,8 @@ def estimate_from(
 ) -> Estimate:
     """Identify one sensor from what its record left behind."""
     dtype = found.density.dtype
-    data, ramp = _prepare(found, design)
-    return Estimate(statistics=found, **_conclude(data, ramp, jnp.asarray(dt, dtype), key))
+    data, ramp = prepare(found, design)
+    return Estimate(statistics=found, **conclude(data, ramp, jnp.asarray(dt, dtype), key))
 
 
 @eqx.filter_jit
@@ -118,13 +118,14 @@ def _reduce(stretches: tuple[Float[Array, " _"], ...], design: Design) -> Statis
 
 
 @eqx.filter_jit
-def _prepare(found: Statistics, design: Design) -> tuple[Target, RampData]:
+def prepare(found: Statistics, design: Design) -> tuple[Target, RampData]:
+    """What the fit asks of a record, in shapes that records of many lengths share."""
     design = as_design_dtype(design, found.density.dtype)
     return target(found, design), ramp_data(found.odd_modes, design)
 
 
 @jax.jit
-def _conclude(
+def conclude(
     data: Target, ramp: RampData, dt: Float[Array, ""], key: PRNGKeyArray
 ) -> dict[str, Array]:
     """All of an `Estimate` but its statistics."""

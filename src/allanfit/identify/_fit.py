@@ -1,4 +1,4 @@
-"""Arrays in, coefficients with intervals out: one sensor or a batch."""
+"""An array in, coefficients with intervals out."""
 
 from typing import Any
 
@@ -14,8 +14,6 @@ from ._estimate import Estimate, estimate
 
 _SHORTEST = 256
 _SHORTEST_STRETCH = 16
-# Beyond this a batch of spectra gains no more time, and costs memory.
-_SENSORS_AT_A_TIME = 16
 
 
 class Fit(eqx.Module):
@@ -136,46 +134,15 @@ def fit_series(
         )
     stretches = ((0, series.shape[0]),) if stretches is None else stretches
     lengths = tuple(stop - start for start, stop in stretches)
-    _check_lengths(lengths)
+    check_lengths(lengths)
     layout = design(lengths, sampling)
     pieces = tuple(series[start:stop] for start, stop in stretches)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     return Fit(found, layout, rate_hz)
 
 
-def fit_many(
-    data: Float[Array, "sensors samples"] | np.ndarray,
-    rate_hz: float,
-    *,
-    sampling: Sampling = "point",
-    seed: int = 0,
-) -> Fit:
-    """Identify a batch of sensors with records of one length, shape (sensors, samples).
-
-    Each sensor stands alone: one full of NaN has `converged` false and leaves the others'
-    numbers as they are.
-    """
-    series = as_series(data, rate_hz)
-    if series.ndim != 2 or not len(series):
-        raise ValueError(f"data must have shape (sensors, samples); got {series.shape}")
-    _check_lengths(series.shape[1:])
-    layout = design(series.shape[1:], sampling)
-    sensors = series.shape[0]
-    keys = jax.vmap(jax.random.fold_in, (None, 0))(jax.random.key(seed), jnp.arange(sensors))
-    # The last group is filled up with its last sensor: one compilation serves any number of them.
-    groups = [
-        np.minimum(np.arange(start, start + _SENSORS_AT_A_TIME), sensors - 1)
-        for start in range(0, sensors, _SENSORS_AT_A_TIME)
-    ]
-    found = [_estimate_many((series[group],), layout, 1 / rate_hz, keys[group]) for group in groups]
-    whole = jax.tree.map(lambda *parts: jnp.concatenate(parts)[:sensors], *found)
-    return Fit(whole, layout, rate_hz)
-
-
-_estimate_many = jax.vmap(estimate, in_axes=(0, None, None, 0))
-
-
-def _check_lengths(lengths: tuple[int, ...]) -> None:
+def check_lengths(lengths: tuple[int, ...]) -> None:
+    """Raise `ValueError` if stretches of these lengths are too short for a fit."""
     if sum(lengths) < _SHORTEST or min(lengths, default=0) < _SHORTEST_STRETCH:
         raise ValueError(
             f"a fit needs at least {_SHORTEST} samples in stretches of at least "
