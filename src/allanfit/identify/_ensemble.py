@@ -4,8 +4,10 @@ from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
+# The log-density of one walker's position.
 _Density = Callable[[Float[Array, " dim"]], Float[Array, ""]]
 
 
@@ -88,6 +90,7 @@ def ensemble(
 
     warm_up = -(-burn_in // thin)
     keys = jax.random.split(key, (warm_up + draws, 2))
-    state = tuple((x, exact(x), cheap(x)) for x in (start[:half], start[half:]))
+    walkers = (start, exact(start), cheap(start))
+    state = tuple(tuple(part[rows] for part in walkers) for rows in np.s_[:half, half:])
     _, (chain, rates) = jax.lax.scan(both, state, keys)
     return chain[warm_up:], jnp.mean(rates[warm_up:])

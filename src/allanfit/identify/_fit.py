@@ -58,7 +58,7 @@ class Fit(eqx.Module):
     @property
     def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
         """One-sided 95 % limits."""
-        return _by_symbol(self._quantile(0.95))
+        return _by_symbol(*self._quantiles(0.95))
 
     @property
     def converged(self) -> Bool[Array, "*sensors"]:
@@ -73,8 +73,9 @@ class Fit(eqx.Module):
     def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
         """Equal-tailed intervals; those of unresolved terms are extended down to zero."""
         tail = (1 - probability) / 2
-        low = jnp.where(self.estimate.resolved, self._quantile(tail), 0.0)
-        return _by_symbol(jnp.stack([low, self._quantile(1 - tail)], axis=-1), axis=-2)
+        low, high = self._quantiles(tail, 1 - tail)
+        low = jnp.where(self.estimate.resolved, low, 0.0)
+        return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
     def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
         """The fit JSON of one sensor, with the name and unit that its array does not carry."""
@@ -90,14 +91,25 @@ class Fit(eqx.Module):
 
     def _median(self) -> Float[Array, "*sensors terms"]:
         draws, q = jnp.abs(self.estimate.draws), SYMBOLS.index("Q")
-        middle = jnp.median(draws, axis=-2, keepdims=True)
-        used = self.estimate.resolved[..., None, q, None] | (draws <= middle)[..., q, None]
-        halved = jnp.nanmedian(jnp.where(used, draws, jnp.nan), axis=-2)
-        return halved.at[..., q].set(middle[..., 0, q])
+        (middle,) = self._quantiles(0.5)
+        smaller = draws[..., q] <= middle[..., q, None]
+        used = (self.estimate.resolved[..., q, None] | smaller)[..., None]
+        ordered = _ordered(jnp.where(used, draws, jnp.inf))
+        last = jnp.sum(used, axis=-2, keepdims=True) - 1
+        below = jnp.take_along_axis(ordered, last // 2, axis=-2)
+        above = jnp.take_along_axis(ordered, (last + 1) // 2, axis=-2)
+        return ((below + above) / 2)[..., 0, :].at[..., q].set(middle[..., q])
 
-    def _quantile(self, probability: float) -> Float[Array, "*sensors terms"]:
+    def _quantiles(self, *probabilities: float) -> list[Float[Array, "*sensors terms"]]:
         # The ramp's sign says which way the mean drifts, its size how much.
-        return jnp.quantile(jnp.abs(self.estimate.draws), probability, axis=-2)
+        ordered = _ordered(jnp.abs(self.estimate.draws))
+        found = []
+        for probability in probabilities:
+            below, part = divmod(probability * (ordered.shape[-2] - 1), 1)
+            above = min(int(below) + 1, ordered.shape[-2] - 1)
+            low, high = ordered[..., int(below), :], ordered[..., above, :]
+            found.append(low + part * (high - low))
+        return found
 
 
 def fit_series(
@@ -148,6 +160,17 @@ def check_lengths(lengths: tuple[int, ...]) -> None:
             f"a fit needs at least {_SHORTEST} samples in stretches of at least "
             f"{_SHORTEST_STRETCH}; got stretches of {list(lengths)}"
         )
+
+
+def _ordered(draws: Float[Array, "*sensors draws terms"]) -> Float[Array, "*sensors draws terms"]:
+    """Non-negative draws in rising order, NaN last.
+
+    As integers, which have the same order and which XLA sorts five times as fast.
+    """
+    bits = {4: jnp.int32, 8: jnp.int64}[draws.dtype.itemsize]
+    whole = jax.lax.bitcast_convert_type(jnp.moveaxis(draws, -2, -1), bits)
+    ordered = jax.lax.sort(whole, dimension=-1, is_stable=False)
+    return jnp.moveaxis(jax.lax.bitcast_convert_type(ordered, draws.dtype), -1, -2)
 
 
 def _by_symbol(values: Array, axis: int = -1) -> dict[str, Array]:
