@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 def solve_positive(
     matrix: Float[Array, "terms terms"], right: Float[Array, " terms"]
 ) -> Float[Array, " terms"]:
-    """x of matrix x = right."""
+    """Solve matrix x = right for x."""
     if matrix.shape[0] == 1:
         return right / matrix[0]
     share = matrix[0, 1:] / matrix[0, 0]

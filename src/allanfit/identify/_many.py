@@ -77,7 +77,7 @@ def fit_many(
             found, *rest = _reduce_group(series, layouts[place % len(devices)])
             dt = jnp.asarray(1 / rate_hz, series.dtype)
             concluded = _conclude_group(*rest, dt, jax.random.key(seed), jnp.asarray(group))
-            return jax.device_get(Estimate(statistics=found, **concluded))
+            return jax.device_get(_together(found, concluded))
 
     # Several programs at once keep the cores busy, which one program of small operations does not.
     workers = max(os.cpu_count() or 1, len(devices)) if platform == "cpu" else len(devices)
@@ -118,6 +118,11 @@ def _gathered(
         # An interrupt or an error is not to wait for groups that have not begun.
         pool.shutdown(cancel_futures=True)
     return jax.tree.unflatten(structure, [jnp.asarray(each) for each in whole])
+
+
+@jax.vmap
+def _together(found: Statistics, concluded: dict[str, Array]) -> Estimate:
+    return Estimate(statistics=found, **concluded)
 
 
 def _keys(key: Array, numbers: Int[Array, " sensors"]) -> Array:
