@@ -47,7 +47,7 @@ def quantiles_apart(fit, posterior):
 def independent(draws):
     """About independent draws of one coefficient, from shape (walkers, steps)."""
     each = max(int(np.ceil(draws.size / effective_sample_size(draws))), 1)
-    return np.abs(draws.T.ravel()[::each])
+    return np.abs(draws[:, ::each].ravel())
 
 
 def kolmogorov_smirnov(fit, posterior):
