@@ -70,8 +70,8 @@ def ensemble(
         uniforms = jax.random.uniform(move_key, (thin, 5, half), start.dtype)
 
         def step(walkers, uniforms):
-            *walkers, rate = move(*walkers, others[0], uniforms)
-            return tuple(walkers), rate
+            positions, guessed, rate = move(walkers[0], walkers[1], others[0], uniforms)
+            return (positions, guessed), rate
 
         (moved, moved_guessed), rates = jax.lax.scan(step, (movers, guessed), uniforms)
         moved_density = exact(moved)

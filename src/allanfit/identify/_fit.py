@@ -58,7 +58,8 @@ class Fit(eqx.Module):
     @property
     def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
         """One-sided 95 % limits."""
-        return _by_symbol(*self._quantiles(0.95))
+        (limits,) = self._quantiles(0.95)
+        return _by_symbol(limits)
 
     @property
     def converged(self) -> Bool[Array, "*sensors"]:
