@@ -52,7 +52,9 @@ def population_posterior(key, found, layout, scale):
 
     start_key, chain_key = jax.random.split(key)
     start = low + (high - low) * jax.random.uniform(start_key, (_WALKERS, 4))
-    chain, _ = ensemble(chain_key, log_density, start, burn_in=3000, draws=200, thin=20)
+    chain, _ = ensemble(
+        chain_key, log_density, log_density, start, burn_in=3000, draws=200, thin=20
+    )
     return chain.reshape(-1, 4)
 
 

@@ -1,12 +1,14 @@
 """Power spectral density of one series, averaged over logarithmic bins."""
 
+from functools import partial
 from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
+from ._allan import each_series
 from ._bins import logarithmic_edges
 from ._input import as_series
 from ._spectrum import cosine_coefficients
@@ -55,25 +57,34 @@ def psd(
     if bins_per_decade is not None and bins_per_decade < 1:
         raise ValueError(f"bins_per_decade must be at least 1; got {bins_per_decade}")
     samples = series.shape[-1]
-    single = _mirror if taper == "mirror" else lambda x: _periodogram(x, taper)
-    for _ in range(series.ndim - 1):
-        single = jax.vmap(single)
-    ordinates = single(series) / rate_hz
-    spacing = 1 / (2 * samples) if taper == "mirror" else 1 / samples
-    frequency = spacing * np.arange(1, ordinates.shape[-1] + 1)
-    if bins_per_decade is None:
-        count = np.ones_like(frequency)
-    else:
+    mirror = taper == "mirror"
+    spacing = 1 / (2 * samples) if mirror else 1 / samples
+    frequency = spacing * np.arange(1, samples if mirror else samples // 2 + 1)
+    index, count = None, np.ones_like(frequency)
+    if bins_per_decade is not None:
         edges = logarithmic_edges(spacing, spacing, bins_per_decade)
-        index = np.searchsorted(edges, frequency, side="right") - 1
-        count = np.bincount(index)
-        frequency = np.bincount(index, frequency) / count
-        total = jax.ops.segment_sum(
-            jnp.moveaxis(ordinates, -1, 0), index, len(count), indices_are_sorted=True
-        )
-        ordinates = jnp.moveaxis(total, 0, -1) / jnp.asarray(count, ordinates.dtype)
-    dtype = ordinates.dtype
-    return Spectrum(jnp.asarray(frequency * rate_hz, dtype), ordinates, jnp.asarray(count, dtype))
+        place = np.searchsorted(edges, frequency, side="right") - 1
+        count = np.bincount(place)
+        frequency = np.bincount(place, frequency) / count
+        index = jnp.asarray(place, jnp.int32)
+    ordinates = jnp.asarray(count, series.dtype)
+
+    def single(x: Float[Array, " samples"]) -> Float[Array, " bins"]:
+        return _total(x, index, len(count), taper) / ordinates / rate_hz
+
+    density = single(series) if series.ndim == 1 else each_series(single, series)
+    return Spectrum(jnp.asarray(frequency * rate_hz, series.dtype), density, ordinates)
+
+
+@partial(jax.jit, static_argnames=("bins", "taper"))
+def _total(
+    x: Float[Array, " samples"], index: Int[Array, " ordinates"] | None, bins: int, taper: Taper
+) -> Float[Array, " bins"]:
+    """The sum of ordinates in each bin; all of them as they are without an index."""
+    ordinates = _mirror(x) if taper == "mirror" else _periodogram(x, taper)
+    if index is None:
+        return ordinates
+    return jax.ops.segment_sum(ordinates, index, bins, indices_are_sorted=True)
 
 
 def _mirror(x: Float[Array, " samples"]) -> Float[Array, " ordinates"]:

@@ -5,10 +5,10 @@ Start with `fit` for one sensor, `fit_many` for a batch, `sample` for emcee's po
 
 from ._estimate import Estimate as Estimate
 from ._fit import Fit as Fit
-from ._fit import fit_many as fit_many
 from ._fit import fit_series as fit_series
 from ._influence import Influence as Influence
 from ._influence import influence as influence
+from ._many import fit_many as fit_many
 from ._recording_fit import ChannelFit as ChannelFit
 from ._recording_fit import RecordingFit as RecordingFit
 from ._recording_fit import fit as fit

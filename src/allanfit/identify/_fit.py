@@ -1,4 +1,4 @@
-"""Arrays in, coefficients with intervals out: one sensor or a batch."""
+"""An array in, coefficients with intervals out."""
 
 from typing import Any
 
@@ -14,8 +14,6 @@ from ._estimate import Estimate, estimate
 
 _SHORTEST = 256
 _SHORTEST_STRETCH = 16
-# Beyond this a batch of spectra gains no more time, and costs memory.
-_SENSORS_AT_A_TIME = 16
 
 
 class Fit(eqx.Module):
@@ -60,7 +58,8 @@ class Fit(eqx.Module):
     @property
     def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
         """One-sided 95 % limits."""
-        return _by_symbol(self._quantile(0.95))
+        (limits,) = self._quantiles(0.95)
+        return _by_symbol(limits)
 
     @property
     def converged(self) -> Bool[Array, "*sensors"]:
@@ -75,8 +74,9 @@ class Fit(eqx.Module):
     def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
         """Equal-tailed intervals; those of unresolved terms are extended down to zero."""
         tail = (1 - probability) / 2
-        low = jnp.where(self.estimate.resolved, self._quantile(tail), 0.0)
-        return _by_symbol(jnp.stack([low, self._quantile(1 - tail)], axis=-1), axis=-2)
+        low, high = self._quantiles(tail, 1 - tail)
+        low = jnp.where(self.estimate.resolved, low, 0.0)
+        return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
     def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
         """The fit JSON of one sensor, with the name and unit that its array does not carry."""
@@ -92,14 +92,25 @@ class Fit(eqx.Module):
 
     def _median(self) -> Float[Array, "*sensors terms"]:
         draws, q = jnp.abs(self.estimate.draws), SYMBOLS.index("Q")
-        middle = jnp.median(draws, axis=-2, keepdims=True)
-        used = self.estimate.resolved[..., None, q, None] | (draws <= middle)[..., q, None]
-        halved = jnp.nanmedian(jnp.where(used, draws, jnp.nan), axis=-2)
-        return halved.at[..., q].set(middle[..., 0, q])
+        (middle,) = self._quantiles(0.5)
+        smaller = draws[..., q] <= middle[..., q, None]
+        used = (self.estimate.resolved[..., q, None] | smaller)[..., None]
+        ordered = _ordered(jnp.where(used, draws, jnp.inf))
+        last = jnp.sum(used, axis=-2, keepdims=True) - 1
+        below = jnp.take_along_axis(ordered, last // 2, axis=-2)
+        above = jnp.take_along_axis(ordered, (last + 1) // 2, axis=-2)
+        return ((below + above) / 2)[..., 0, :].at[..., q].set(middle[..., q])
 
-    def _quantile(self, probability: float) -> Float[Array, "*sensors terms"]:
+    def _quantiles(self, *probabilities: float) -> list[Float[Array, "*sensors terms"]]:
         # The ramp's sign says which way the mean drifts, its size how much.
-        return jnp.quantile(jnp.abs(self.estimate.draws), probability, axis=-2)
+        ordered = _ordered(jnp.abs(self.estimate.draws))
+        found = []
+        for probability in probabilities:
+            below, part = divmod(probability * (ordered.shape[-2] - 1), 1)
+            above = min(int(below) + 1, ordered.shape[-2] - 1)
+            low, high = ordered[..., int(below), :], ordered[..., above, :]
+            found.append(low + part * (high - low))
+        return found
 
 
 def fit_series(
@@ -136,51 +147,31 @@ def fit_series(
         )
     stretches = ((0, series.shape[0]),) if stretches is None else stretches
     lengths = tuple(stop - start for start, stop in stretches)
-    _check_lengths(lengths)
+    check_lengths(lengths)
     layout = design(lengths, sampling)
     pieces = tuple(series[start:stop] for start, stop in stretches)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     return Fit(found, layout, rate_hz)
 
 
-def fit_many(
-    data: Float[Array, "sensors samples"] | np.ndarray,
-    rate_hz: float,
-    *,
-    sampling: Sampling = "point",
-    seed: int = 0,
-) -> Fit:
-    """Identify a batch of sensors with records of one length, shape (sensors, samples).
-
-    Each sensor stands alone: one full of NaN has `converged` false and leaves the others'
-    numbers as they are.
-    """
-    series = as_series(data, rate_hz)
-    if series.ndim != 2 or not len(series):
-        raise ValueError(f"data must have shape (sensors, samples); got {series.shape}")
-    _check_lengths(series.shape[1:])
-    layout = design(series.shape[1:], sampling)
-    sensors = series.shape[0]
-    keys = jax.vmap(jax.random.fold_in, (None, 0))(jax.random.key(seed), jnp.arange(sensors))
-    # The last group is filled up with its last sensor: one compilation serves any number of them.
-    groups = [
-        np.minimum(np.arange(start, start + _SENSORS_AT_A_TIME), sensors - 1)
-        for start in range(0, sensors, _SENSORS_AT_A_TIME)
-    ]
-    found = [_estimate_many((series[group],), layout, 1 / rate_hz, keys[group]) for group in groups]
-    whole = jax.tree.map(lambda *parts: jnp.concatenate(parts)[:sensors], *found)
-    return Fit(whole, layout, rate_hz)
-
-
-_estimate_many = jax.vmap(estimate, in_axes=(0, None, None, 0))
-
-
-def _check_lengths(lengths: tuple[int, ...]) -> None:
+def check_lengths(lengths: tuple[int, ...]) -> None:
+    """Raise `ValueError` if stretches of these lengths are too short for a fit."""
     if sum(lengths) < _SHORTEST or min(lengths, default=0) < _SHORTEST_STRETCH:
         raise ValueError(
             f"a fit needs at least {_SHORTEST} samples in stretches of at least "
             f"{_SHORTEST_STRETCH}; got stretches of {list(lengths)}"
         )
+
+
+def _ordered(draws: Float[Array, "*sensors draws terms"]) -> Float[Array, "*sensors draws terms"]:
+    """Non-negative draws in rising order, NaN last.
+
+    As integers, which have the same order and which XLA sorts five times as fast.
+    """
+    bits = {4: jnp.int32, 8: jnp.int64}[draws.dtype.itemsize]
+    whole = jax.lax.bitcast_convert_type(jnp.moveaxis(draws, -2, -1), bits)
+    ordered = jax.lax.sort(whole, dimension=-1, is_stable=False)
+    return jnp.moveaxis(jax.lax.bitcast_convert_type(ordered, draws.dtype), -1, -2)
 
 
 def _by_symbol(values: Array, axis: int = -1) -> dict[str, Array]:

@@ -10,6 +10,7 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Bool, Float
 
+from ._elimination import solve_positive
 from ._likelihood import Powers, deviance_residuals, fisher_information, log_likelihood
 
 # Every choice of terms that are present, the empty one left out.
@@ -175,7 +176,7 @@ def _quadratic_maximum(
     def on_face(face):
         free = face & allowed
         block = jnp.where(free[:, None] & free, curvature, jnp.diag(jnp.diag(curvature)))
-        solution = jnp.linalg.solve(block, jnp.where(free, linear, 0.0))
+        solution = solve_positive(block, jnp.where(free, linear, 0.0))
         value = linear @ solution - solution @ curvature @ solution / 2
         return solution, jnp.where(jnp.all(solution >= 0), value, -jnp.inf)
 

@@ -22,10 +22,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
+from ._elimination import log_determinant
 from ._likelihood import Powers, fisher_information, log_likelihood
 
 # a of the prior above, for Q, N, B and K.
 _ABSENCE = np.array([1e-4, 1e-2, 0.3, 0.3])
+# Bins that `coarse` makes one; a target is padded to a multiple of it.
+_TOGETHER = 4
 
 
 class Target(NamedTuple):
@@ -34,6 +37,27 @@ class Target(NamedTuple):
     density: Float[Array, " bins"]
     expected: Float[Array, "bins terms"]
     shape: Float[Array, " bins"]
+
+
+def coarse(target: Target, power: Powers) -> Target:
+    """The target with every four neighbouring bins in one, as if their ratios were known.
+
+    Each bin is divided by its expectation at `power`. As expectations hardly bend within a bin of
+    a quarter decade, the posterior is much the same, at a quarter of the cost.
+    """
+
+    def together(values: Float[Array, "bins *terms"]) -> Float[Array, "coarse_bins *terms"]:
+        return jnp.sum(values.reshape(-1, _TOGETHER, *values.shape[1:]), axis=1)
+
+    weight = target.shape / (target.expected @ power)
+    shape = together(target.shape)
+    used = shape > 0
+    total = jnp.where(used, shape, 1.0)
+    return Target(
+        jnp.where(used, together(weight * target.density) / total, 1.0),
+        jnp.where(used[:, None], together(weight[:, None] * target.expected) / total[:, None], 1.0),
+        shape,
+    )
 
 
 class Coordinates(NamedTuple):
@@ -49,7 +73,7 @@ class Coordinates(NamedTuple):
 
     def power(self, x: Float[Array, " terms"]) -> Powers:
         """Squared coefficients at x."""
-        return (self.scale * jnp.sinh(x)) ** 2
+        return (self.scale * _sinh(x)) ** 2
 
     def position(self, power: Powers) -> Float[Array, " terms"]:
         """The non-negative x at these squared coefficients."""
@@ -70,25 +94,22 @@ def log_posterior(
     x: Float[Array, " terms"], target: Target, space: Coordinates
 ) -> Float[Array, ""]:
     """Log-density of x, up to a constant; even in each component."""
-    power = space.power(x)
+    sinh = _sinh(x)
+    power = (space.scale * sinh) ** 2
     likelihood = log_likelihood(power, target.density, target.expected, target.shape)
     information = fisher_information(power, target.expected, target.shape)
-    jeffreys = _log_determinant(information) / 2
-    absence = jnp.log((power + space.deviation) / (power + space.scale**2))
-    # d power/dx = scale^2 sinh 2x.
-    stretch = jnp.log(jnp.abs(jnp.sinh(2 * x)))
-    value = likelihood + jeffreys + jnp.sum(absence + stretch)
+    jeffreys = log_determinant(information) / 2
+    absence = (power + space.deviation) / (power + space.scale**2)
+    # d power/dx = scale^2 sinh 2x = 2 scale^2 sinh x cosh x, up to a constant.
+    stretch = jnp.abs(sinh) * jnp.sqrt(1 + sinh**2)
+    value = likelihood + jeffreys + jnp.sum(jnp.log(absence * stretch))
     return jnp.where(jnp.isfinite(value), value, -jnp.inf)
 
 
-def _log_determinant(matrix: Float[Array, "terms terms"]) -> Float[Array, ""]:
-    """Of a positive matrix, by elimination written out: LAPACK takes ten times as long."""
-    total, rest = jnp.zeros((), matrix.dtype), matrix
-    for _ in range(matrix.shape[0]):
-        pivot = rest[0, 0]
-        total = total + jnp.log(pivot)
-        rest = rest[1:, 1:] - rest[1:, :1] * rest[:1, 1:] / pivot
-    return total
+def _sinh(x: Float[Array, " terms"]) -> Float[Array, " terms"]:
+    """Three times as fast as `jnp.sinh`, whose care for tiny x is not needed here."""
+    growing = jnp.exp(x)
+    return (growing - 1 / growing) / 2
 
 
 def starting_points(

@@ -1,0 +1,149 @@
+"""`fit_many`: groups, devices, arrays on disk, broken sensors."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+
+import allanfit
+from allanfit.identify import _many
+from allanfit.physics import SYMBOLS, standard_model
+
+SAMPLES, RATE_HZ = 8192, 50.0
+
+
+@pytest.fixture(scope="module")
+def batch():
+    """Eighteen sensors, so that a second group is begun and not filled."""
+    model = standard_model({"N": 5e-3, "B": 2e-3, "K": 1e-3})
+    keys = jax.random.split(jax.random.key(11), 18)
+    sample = jax.jit(jax.vmap(lambda key: model.sample(key, SAMPLES, 1 / RATE_HZ, "point")))
+    return np.asarray(sample(keys))
+
+
+@pytest.fixture(scope="module")
+def together(batch):
+    return allanfit.fit_many(batch, RATE_HZ)
+
+
+def assert_same(one, other, rows=slice(None)):
+    for a, b in zip(jax.tree.leaves(one.estimate), jax.tree.leaves(other.estimate), strict=True):
+        np.testing.assert_array_equal(np.asarray(a)[rows], np.asarray(b)[rows])
+
+
+def test_a_sensor_has_the_same_coefficients_alone(batch, together):
+    """The last sensor, from the group that was filled up."""
+    alone = allanfit.fit(batch[-1], RATE_HZ)
+    for symbol in SYMBOLS:
+        found = together.least_squares[symbol][-1]
+        np.testing.assert_allclose(found, alone.least_squares[symbol], rtol=1e-6, atol=1e-12)
+    assert together.estimate.draws.shape[0] == 18
+
+
+def test_quantiles_are_those_of_numpy(together):
+    draws = np.abs(np.asarray(together.estimate.draws))
+    ends = np.quantile(draws, [0.16, 0.84], axis=1)
+    seen = np.asarray(together.estimate.resolved)
+    unresolved_q = ~seen[:, :1]
+    half = np.where(
+        draws[..., :1] <= np.median(draws[..., :1], axis=1, keepdims=True), draws, np.nan
+    )
+    value = np.where(unresolved_q, np.nanmedian(half, axis=1), np.median(draws, axis=1))
+    value[:, 0] = np.median(draws[..., 0], axis=1)
+    for i, symbol in enumerate(SYMBOLS):
+        low, high = together.interval(0.68)[symbol].T
+        np.testing.assert_allclose(high, ends[1, :, i], rtol=1e-12)
+        np.testing.assert_allclose(low, np.where(seen[:, i], ends[0, :, i], 0.0), rtol=1e-12)
+        np.testing.assert_allclose(together.coefficients[symbol], value[:, i], rtol=1e-9)
+
+
+def test_only_groups_at_work_leave_an_array_on_disk(batch, together, tmp_path, monkeypatch):
+    """A mapped file gives the numbers of the array, and no more than a group is asked of it."""
+    path = tmp_path / "batch.npy"
+    np.save(path, batch)
+    asked = []
+
+    def as_series(data, rate_hz):
+        asked.append(len(data))
+        return original(data, rate_hz)
+
+    original = _many.as_series
+    monkeypatch.setattr(_many, "as_series", as_series)
+    assert_same(allanfit.fit_many(np.load(path, mmap_mode="r"), RATE_HZ), together)
+    assert max(asked) == 16
+
+
+@pytest.mark.parametrize("broken", [np.nan, np.inf])
+def test_a_broken_sensor_leaves_the_others(batch, together, broken):
+    spoilt = batch.copy()
+    spoilt[3, 100] = broken
+    found = allanfit.fit_many(spoilt, RATE_HZ)
+    whole = np.arange(18) != 3
+    assert found.converged.tolist() == whole.tolist()
+    assert_same(found, together, whole)
+
+
+def test_a_batch_may_be_traced(batch):
+    def coefficient(x):
+        return allanfit.fit_many(x, RATE_HZ).least_squares["N"]
+
+    slopes = jax.eval_shape(jax.jacrev(coefficient), batch[:3])
+    assert slopes.shape == (3, 3, SAMPLES)
+
+
+def test_float32_differs_by_little_of_a_standard_error(batch, together):
+    """Least squares within a twentieth of a standard error, intervals as chance draws them."""
+    with jax.enable_x64(False):
+        narrow = allanfit.fit_many(batch.astype(np.float32), RATE_HZ)
+        assert {leaf.dtype for leaf in jax.tree.leaves(narrow.estimate)} == {
+            np.dtype(np.float32),
+            np.dtype(bool),
+        }
+        found = {symbol: np.asarray(narrow.least_squares[symbol]) for symbol in "NBK"}
+    for symbol in "NBK":
+        low, high = together.interval(0.68)[symbol].T
+        seen = np.asarray(together.resolved[symbol])
+        error = np.asarray(high - low)[seen] / 2
+        difference = np.abs(found[symbol] - np.asarray(together.least_squares[symbol]))[seen]
+        assert np.max(difference / error) < 0.05, symbol
+
+
+def test_lists_are_arrays_and_other_shapes_are_refused(batch):
+    with pytest.raises(ValueError, match=r"shape \(sensors, samples\); got \(8192,\)"):
+        allanfit.fit_many(batch[0], RATE_HZ)
+    with pytest.raises(ValueError, match="at least 256 samples"):
+        allanfit.fit_many(np.zeros((2, 100)), RATE_HZ)
+    with pytest.raises(ValueError, match="positive"):
+        allanfit.fit_many(batch, -1.0)
+
+
+_ON_FOUR = """
+import sys
+import jax
+import numpy as np
+jax.config.update("jax_enable_x64", True)
+import allanfit
+assert jax.device_count() == 4
+fits = allanfit.fit_many(np.load(sys.argv[1]), 50.0)
+np.savez(sys.argv[2], *jax.tree.leaves(fits.estimate))
+"""
+
+
+def test_four_devices_give_the_numbers_of_one(batch, together, tmp_path, monkeypatch):
+    """Two groups, on the first two devices of four."""
+    flags = "--xla_backend_optimization_level=1 --xla_force_host_platform_device_count=4"
+    monkeypatch.setenv("XLA_FLAGS", flags)
+    source, result = tmp_path / "batch.npy", tmp_path / "fits.npz"
+    np.save(source, batch)
+    subprocess.run(
+        [sys.executable, "-c", _ON_FOUR, str(source), str(result)],
+        check=True,
+        cwd=Path(__file__).parents[2],
+    )
+    with np.load(result) as stored:
+        leaves = jax.tree.leaves(together.estimate)
+        for name, leaf in zip(stored.files, leaves, strict=True):
+            np.testing.assert_array_equal(stored[name], np.asarray(leaf))
