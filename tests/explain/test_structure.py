@@ -3,10 +3,20 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.signal import butter, freqz
 
 from allanfit.explain._climb import climb, expected_density, log_slopes, rescale
 from allanfit.explain._ordinates import bin_edges, binned, ordinates
-from allanfit.explain._structure import Data, Kinds, bounds, expected, free, holding_angle
+from allanfit.explain._search import best
+from allanfit.explain._structure import (
+    Data,
+    Kinds,
+    bounds,
+    columns,
+    expected,
+    free,
+    holding_angle,
+)
 from allanfit.physics import GaussMarkov, LowPass
 
 SAMPLES = 16_384
@@ -108,3 +118,28 @@ def test_quantized_angle_that_is_held(repeat):
     inside = used & (frequency > 0.02) & (np.abs(frequency - 1 / 3) > 0.02)
     found = np.interp(frequency, np.arange(1025) / length, 2 * total)
     assert np.all(np.abs(found[inside] / expected[inside] - 1) < 5 / np.sqrt(300))
+
+
+@pytest.mark.parametrize("order", [1.0, 3.0])
+def test_a_filter_behind_the_converter_shapes_white_noise_and_quantization(order):
+    """Against SciPy's Butterworth filter, up to its zero at the Nyquist frequency."""
+    data = data_of(np.random.default_rng(6).standard_normal(SAMPLES))
+    theta = theta_of("digital_low_pass", 1.0, 0.27, order)
+    filtered = np.asarray(columns(theta, Kinds("digital_low_pass"), data))
+    plain = np.asarray(columns(theta[:4], Kinds(), data))
+    middle = np.asarray(data.bins.nodes)[:, 1]
+    below = data.bins.used & (middle < 0.499)
+    numerator, denominator = butter(int(order), 0.27, fs=1.0)
+    response = np.abs(freqz(numerator, denominator, 2 * np.pi * middle[below])[1]) ** 2
+    for term in (0, 1):
+        ratio = filtered[below, term] / plain[below, term]
+        np.testing.assert_allclose(ratio, response, rtol=1e-6)
+
+
+def test_a_term_that_vanished_returns():
+    """Powers climb by their logarithms, from which minus infinity is no way back."""
+    x = np.diff(np.random.default_rng(7).standard_normal(SAMPLES + 1))
+    data = data_of(x)
+    gone = np.array([-300.0, 0.0, -300.0, -300.0])
+    found = best([(Kinds(), gone)], data)[0]
+    assert np.exp(found.theta[0]) == pytest.approx(1.0, rel=5 * np.sqrt(2 / (SAMPLES / 2)))
