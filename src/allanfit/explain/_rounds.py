@@ -29,6 +29,8 @@ _MOST_LINES = 12
 _LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
+# Ordinates to either side that no sinusoid fills.
+_SPREAD = 32
 # Ordinates about a line within which nothing else may be.
 _CLOSE = 8
 # Quality and relative width up to which they are usual, and the power with which they become rare.
@@ -125,23 +127,18 @@ def _line_options(state: Investigation) -> list[Option]:
     density = float(np.interp(peak.frequency, state.left.frequency, mean))
     sine = refine(white, peak, density)
 
-    name = "line" if _sharp(peak, white.size) else "band"
-
     def take(rivals: dict[str, float]) -> None:
-        if name == "line":
-            _take_line(state, peak, sine, white)
-        else:
-            # All at once, since bands only say where bins must be fine.
-            _take_bands(state, [each for each in peaks if not _sharp(each, white.size)])
+        _take_line(state, peaks, sine, white)
 
+    name = "line" if _sharp(peak, white.size) else "band"
     # On the scale of the other options' chances, which have an alarm of their own.
     log_p = peak.log_p - np.log(_LINE_ALARM)
     return [Option(name, log_p, sine.gain, sine.gain, take)]
 
 
-def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) -> None:
+def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.ndarray) -> None:
     """A peak that one sinusoid empties is one; another is broad, and left to the spectrum."""
-    samples = white.size
+    peak, samples = peaks[0], white.size
     time = np.arange(samples)
     angle = 2 * np.pi * sine.frequency * time
     basis = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -167,12 +164,10 @@ def _take_line(state: Investigation, peak: Peak, sine: Sine, white: np.ndarray) 
     spread += [abs(course.shape["frequency"] - peak.frequency) for course in same]
     if same:
         drop_lines(state, same)
-    _take_bands(state, [peak._replace(half_width=max(peak.half_width, *spread, 0.0))])
-
-
-def _take_bands(state: Investigation, peaks: list[Peak]) -> None:
-    """Finer bins about these peaks, for the noises of narrow bands."""
-    state.peaks += peaks
+    state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread, 0.0)))
+    # Broad ones at once: they only say where bins must be fine. A strong sinusoid between two
+    # ordinates is as broad as some dozen of them, and has its turn.
+    state.peaks += [other for other in peaks[1:] if other.half_width * samples > _SPREAD]
     pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
     state.edges = bin_edges(state.spectrum.longest, pairs)
     rebin(state)

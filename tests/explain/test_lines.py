@@ -1,0 +1,42 @@
+"""Which peaks of a spectrum are sinusoids."""
+
+import numpy as np
+import pytest
+
+from allanfit.explain._rounds import take_one
+from allanfit.explain._state import begin
+
+SAMPLES = 16_384
+ALARM = 0.0008
+
+
+def lines_of(values: np.ndarray) -> tuple[list[float], int]:
+    """Frequencies of the sinusoids named after two rounds, and the number of broad bands."""
+    white = np.array([0.0, np.var(values), 0.0, 0.0])
+    state = begin(values, ((0, values.size),), "point", white, ALARM)
+    for _ in range(2):
+        if not take_one(state, {}):
+            break
+    lines = [c.shape["frequency"] for c in state.courses if c.name == "sinusoid"]
+    return lines, len(state.peaks)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_a_strong_line_is_a_sinusoid_wherever_it_falls(offset):
+    """On an ordinate and between two, where its power leaks into a dozen others."""
+    frequency = (3000 + offset) / SAMPLES
+    time = np.arange(SAMPLES)
+    x = np.random.default_rng(1).standard_normal(SAMPLES) + np.cos(2 * np.pi * frequency * time)
+    lines, bands = lines_of(x)
+    assert lines == pytest.approx([frequency], abs=0.1 / SAMPLES)
+    assert bands == 0
+
+
+def test_a_line_that_wanders_is_no_sinusoid():
+    rng = np.random.default_rng(2)
+    time = np.arange(SAMPLES)
+    frequency = 0.2 + 0.002 * np.sin(2 * np.pi * time / 5000)
+    x = rng.standard_normal(SAMPLES) + np.cos(2 * np.pi * np.cumsum(frequency))
+    lines, bands = lines_of(x)
+    assert lines == []
+    assert bands > 0
