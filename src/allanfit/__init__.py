@@ -3,6 +3,7 @@
 from importlib.metadata import version as _version
 
 from . import calibrate as calibrate
+from .curves import LongAllanVariance as LongAllanVariance
 from .curves import allan_variance as allan_variance
 from .curves import cluster_sizes as cluster_sizes
 from .curves import psd as psd

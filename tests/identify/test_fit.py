@@ -151,6 +151,7 @@ def test_float32_agrees_with_float64():
     wide = allanfit.fit(x, 50.0)
     widths = {symbol: float(jnp.diff(wide.intervals[symbol])[0]) for symbol in "NBK"}
     values = {symbol: float(wide.coefficients[symbol]) for symbol in "NBK"}
+    solved = {symbol: float(wide.least_squares[symbol]) for symbol in "NBK"}
     with jax.enable_x64(False):
         narrow = allanfit.fit(x.astype(np.float32), 50.0)
         assert narrow.estimate.draws.dtype == jnp.float32
@@ -158,6 +159,9 @@ def test_float32_agrees_with_float64():
             width = float(jnp.diff(narrow.intervals[symbol])[0])
             assert abs(float(narrow.coefficients[symbol]) - values[symbol]) < 0.1 * width, symbol
             assert abs(width / widths[symbol] - 1) < 0.2, symbol
+            # Least squares has no chance in it: within a twentieth of a standard error.
+            apart = abs(float(narrow.least_squares[symbol]) - solved[symbol])
+            assert apart < 0.05 * width / 3.92, symbol
 
 
 def test_large_mean_survives_without_x64():

@@ -94,23 +94,6 @@ def test_a_batch_may_be_traced(batch):
     assert slopes.shape == (3, 3, SAMPLES)
 
 
-def test_float32_differs_by_little_of_a_standard_error(batch, together):
-    """Least squares within a twentieth of a standard error, intervals as chance draws them."""
-    with jax.enable_x64(False):
-        narrow = allanfit.fit_many(batch.astype(np.float32), RATE_HZ)
-        assert {leaf.dtype for leaf in jax.tree.leaves(narrow.estimate)} == {
-            np.dtype(np.float32),
-            np.dtype(bool),
-        }
-        found = {symbol: np.asarray(narrow.least_squares[symbol]) for symbol in "NBK"}
-    for symbol in "NBK":
-        low, high = together.interval(0.68)[symbol].T
-        seen = np.asarray(together.resolved[symbol])
-        error = np.asarray(high - low)[seen] / 2
-        difference = np.abs(found[symbol] - np.asarray(together.least_squares[symbol]))[seen]
-        assert np.max(difference / error) < 0.05, symbol
-
-
 def test_lists_are_arrays_and_other_shapes_are_refused(batch):
     with pytest.raises(ValueError, match=r"shape \(sensors, samples\); got \(8192,\)"):
         allanfit.fit_many(batch[0], RATE_HZ)

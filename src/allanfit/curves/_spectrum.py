@@ -13,6 +13,7 @@ of them before they are squared, so that what is left knows nothing of it.
 """
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import jax.scipy.fft
 import numpy as np
@@ -48,41 +49,71 @@ class RampProjection(eqx.Module):
 
     With weights w_l that make coefficients of a plausible noise alike, z = w c holds the ramp
     along a unit vector g. A Householder reflection turns g onto the first axis, which is dropped:
-    z'_i = z_i - g_i sum_l h_l z_l. All arrays have shape (modes,).
+    z'_i = z_i - g_i sum_l h_l z_l. At even orders g and h are zero.
     """
 
-    weight: Float[Array, " modes"] | Float[np.ndarray, " modes"]
-    direction: Float[Array, " modes"] | Float[np.ndarray, " modes"]
-    mix: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+    modes: int = eqx.field(static=True)
+    #: g at the odd orders: the others are zero, and a long record has no room for them.
+    odd_direction: Float[Array, " odd_modes"] | Float[np.ndarray, " odd_modes"]
 
     def __init__(self, samples: int):
-        order = np.arange(1, samples)
-        self.weight = 1 / np.sqrt(1 / order**2 + 1 / _WALK_MODES**2)
-        ramp = ramp_coefficients(samples) * self.weight
+        self.modes = samples - 1
+        odd = np.arange(1, samples, 2)
+        ramp = ramp_coefficients(samples)[::2] * _weight(odd)
         # The sign is that of the first coefficient, so that the reflection is well conditioned.
-        self.direction = -ramp / np.linalg.norm(ramp)
-        first = np.arange(samples - 1) == 0
-        self.mix = np.where(first, 1.0, self.direction / (1 + self.direction[0]))
+        self.odd_direction = -ramp / np.linalg.norm(ramp)
+
+    @property
+    def weight(self) -> Float[np.ndarray, " modes"]:
+        """w, in float64 on the host."""
+        return _weight(np.arange(1, self.modes + 1))
+
+    @property
+    def direction(self) -> Float[Array, " modes"] | Float[np.ndarray, " modes"]:
+        """g; on the host if this was made there."""
+        of = jnp if isinstance(self.odd_direction, jax.Array) else np
+        both = of.stack([self.odd_direction, of.zeros_like(self.odd_direction)], axis=1)
+        return both.reshape(-1)[: self.modes]
+
+    @property
+    def mix(self) -> Float[Array, " modes"] | Float[np.ndarray, " modes"]:
+        """h; on the host if this was made there."""
+        first = np.arange(self.modes) == 0
+        direction = self.direction
+        of = jnp if isinstance(direction, jax.Array) else np
+        return of.where(first, 1.0, direction / (1 + direction[0]))
 
     def project(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
         """Coefficients of order 2 and up that no ramp can change [u]; linear in its argument."""
-        weight, direction, mix = (
-            jnp.asarray(array, coefficients.dtype)
-            for array in (self.weight, self.direction, self.mix)
-        )
-        weighted = coefficients * weight
-        rest = weighted - direction * jnp.sum(weighted * mix)
-        return rest[1:] / weight[1:]
+        dtype = coefficients.dtype
+        weight = _weight(jnp.arange(1, self.modes + 1).astype(dtype))
+        direction = jnp.asarray(self.odd_direction, dtype)
+        odd = (coefficients * weight)[::2]
+        mixed = odd[0] + jnp.sum(odd[1:] * direction[1:]) / (1 + direction[0])
+        # Zeros between the odd orders, and after the last of them where the last order is even.
+        after = self.modes - (2 * len(direction) - 1)
+        spread = jax.lax.pad(direction * mixed, jnp.zeros((), dtype), [(0, after, 1)])
+        return coefficients[1:] - spread[1:] / weight[1:]
 
     def __call__(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
         """Squares of the projected coefficients of order 2 and up [u^2]."""
         return self.project(coefficients) ** 2
 
     def expectation(
-        self, variance: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+        self, variance: Float[Array, " some"] | Float[np.ndarray, " some"]
     ) -> Float[Array, " rest"] | Float[np.ndarray, " rest"]:
-        """What `__call__` expects when the coefficients are independent with these variances."""
-        weighted = variance * self.weight**2
-        leaked = self.direction**2 * (self.mix**2 * weighted).sum()
-        rest = weighted * (1 - 2 * self.direction * self.mix) + leaked
-        return rest[1:] / self.weight[1:] ** 2
+        """What `__call__` expects when the coefficients are independent with these variances.
+
+        Fewer variances are those of the first coefficients, where the others are zero.
+        """
+        weight, direction, mix = (
+            array[: variance.shape[0]] for array in (self.weight, self.direction, self.mix)
+        )
+        weighted = variance * weight**2
+        leaked = direction**2 * (mix**2 * weighted).sum()
+        rest = weighted * (1 - 2 * direction * mix) + leaked
+        return rest[1:] / weight[1:] ** 2
+
+
+def _weight(order):
+    return 1 / (1 / order**2 + 1 / _WALK_MODES**2) ** 0.5

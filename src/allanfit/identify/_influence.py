@@ -17,7 +17,6 @@ from ._shares import (
     ramp_matrix,
     ramp_rows,
     spectral_weights,
-    without_ramp,
 )
 
 # Nominal probability that a recording that is the same throughout has a piece that stands out.
@@ -140,7 +139,7 @@ def _influence(
         modes = cosine_coefficients(x)
         low = jnp.zeros(matrices.shape[2], dtype).at[: len(modes)].set(modes[: matrices.shape[2]])
         gain = 2 * weights / design.ordinates
-        noise = noise_parts(without_ramp(modes, design.projection[i]), gain, index, inside[i])
+        noise = noise_parts(design.projection[i].project(modes), gain, index, inside[i])
         parts.append(jnp.concatenate([noise, (matrices[i] @ low)[None]]))
         noise = noise_expectation(gain * mean / 2, index, fractions[i])
         ramp = coefficients[-1] * (matrices[i, :, ::2] @ design.ramp[i])

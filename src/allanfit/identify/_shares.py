@@ -29,7 +29,6 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..curves import Design
-from ..curves._spectrum import RampProjection
 from ._likelihood import Powers, fisher_information
 
 # Orders of the ramp: it fills every other one of them.
@@ -126,15 +125,6 @@ def ramp_matrix(
     points = jnp.arange(_RAMP_POINTS + 1) / _RAMP_POINTS
     at_edges = jax.vmap(lambda column: jnp.interp(edges, points, column), 1, 1)(total)
     return jnp.diff(at_edges, axis=0)
-
-
-def without_ramp(
-    coefficients: Float[Array, " modes"], projection: RampProjection
-) -> Float[Array, " rest"]:
-    """The cosine coefficients of order 2 and up whose squares `projection` returns [u]."""
-    weighted = coefficients * projection.weight
-    rest = weighted - projection.direction * jnp.sum(weighted * projection.mix)
-    return rest[1:] / projection.weight[1:]
 
 
 def _signal(coefficients: Float[Array, " rest"]) -> Float[Array, " samples"]:

@@ -75,6 +75,7 @@ def error_power(stretches: Sequence[Float[np.ndarray, " _"]]) -> float:
 def _without_ramp(coefficients: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " rest"]:
     """Coefficients of order 2 and up of what no straight line explains."""
     projection = RampProjection(coefficients.size + 1)
-    weighted = coefficients * projection.weight
+    weight = projection.weight
+    weighted = coefficients * weight
     rest = weighted - projection.direction * np.sum(weighted * projection.mix)
-    return rest[1:] / projection.weight[1:]
+    return rest[1:] / weight[1:]

@@ -17,7 +17,6 @@ from jaxtyping import Array, Float
 from ..curves import Design, Statistics, cosine_coefficients, statistics
 from ..curves._design import RAMP_MODES
 from ..identify._estimate import as_design_dtype
-from ..identify._shares import without_ramp
 
 _Stretches = tuple[Float[Array, " _"], ...]
 # A bin with less than this much of an ordinate left says nothing.
@@ -57,11 +56,10 @@ def remove(
     response, regressors, expected, index = [], [], [], []
     for i, (x, column, variance) in enumerate(zip(stretches, columns, variances, strict=True)):
         projection, modes = design.projection[i], variance.shape[0]
-        project = lambda c, p=projection, m=modes: without_ramp(c, p)[: m - 1]  # noqa: E731
+        project = lambda c, p=projection, m=modes: p.project(c)[: m - 1]  # noqa: E731
         response.append(project(cosine_coefficients(x)))
         regressors.append(jax.vmap(project, 1, 1)(_coefficients(column)))
-        slow = jax.tree.map(lambda values, m=modes: values[:m], projection)
-        expected.append(jax.vmap(slow.expectation, 1, 1)(variance))
+        expected.append(jax.vmap(projection.expectation, 1, 1)(variance))
         index.append(jnp.asarray(design.bin_index[i])[: modes - 1])
     response, regressors, variance, index = (
         jnp.concatenate(parts) for parts in (response, regressors, expected, index)

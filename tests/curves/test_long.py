@@ -1,0 +1,64 @@
+"""The Allan variance block by block against that of the whole record."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import allanfit
+from allanfit.curves import LongAllanVariance
+
+SAMPLES = 300_000
+
+
+@pytest.fixture(scope="module")
+def record():
+    rng = np.random.default_rng(4)
+    return 5.0 + rng.standard_normal(SAMPLES) + 0.01 * np.cumsum(rng.standard_normal(SAMPLES))
+
+
+@pytest.mark.parametrize("length", [4096, 7777, SAMPLES])
+def test_blocks_of_any_length_give_the_variance_of_the_whole(record, length):
+    """Exactly below 2048; beyond, within 0.2 % of the standard error, which is above sqrt(n/N)."""
+    sizes = allanfit.cluster_sizes(SAMPLES)
+    variance = LongAllanVariance(sizes)
+    ends = np.unique([0, 3, 20, *range(length, SAMPLES, length), SAMPLES])
+    for begin, end in pairwise(ends):
+        variance.add(record[begin:end])
+    apart = variance.value() / np.asarray(allanfit.allan_variance(record, 1.0, sizes)) - 1
+    assert np.max(np.abs(apart[sizes < 2048])) < 1e-9
+    assert np.max(np.abs(apart) / np.sqrt(sizes / SAMPLES)) < 2e-3
+
+
+def test_an_odd_size_takes_every_position(record):
+    sizes = np.array([3, 2049, 40_001])
+    variance = LongAllanVariance(sizes)
+    variance.add(record)
+    expected = allanfit.allan_variance(record, 1.0, sizes)
+    np.testing.assert_allclose(variance.value(), expected, rtol=1e-9)
+
+
+def test_the_value_is_there_at_any_time_and_changes_nothing(record):
+    sizes = np.array([1, 64, 100_000])
+    variance = LongAllanVariance(sizes)
+    variance.add(record[:1000])
+    early = variance.value()
+    expected = allanfit.allan_variance(record[:1000], 1.0, sizes[:2])
+    np.testing.assert_allclose(early[:2], expected, rtol=1e-9)
+    assert np.isnan(early[2])
+    variance.add(record[1000:])
+    expected = allanfit.allan_variance(record, 1.0, sizes)
+    np.testing.assert_allclose(variance.value(), expected, rtol=1e-3)
+
+
+def test_what_is_no_block_is_refused(record):
+    with pytest.raises(ValueError, match="increasing positive integers"):
+        LongAllanVariance([4, 2])
+    with pytest.raises(ValueError, match="increasing positive integers"):
+        LongAllanVariance([])
+    variance = LongAllanVariance([1, 2])
+    variance.add(record[:10])
+    with pytest.raises(ValueError, match="sample 12 is not finite"):
+        variance.add(np.array([0.0, 1.0, np.nan]))
+    with pytest.raises(ValueError, match=r"shape \(samples,\)"):
+        variance.add(record[:10].reshape(2, 5))
