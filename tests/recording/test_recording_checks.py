@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from allanfit.recording import load
-from allanfit.recording._checks import code_width, split
+from allanfit.recording._checks import code_width, rails, split
 
 SIZE = 30_000
 
@@ -163,3 +163,19 @@ def test_split_at_breaks_and_at_both_ends():
     assert split(finite, ()) == ((1, 40), (41, 99))
     assert split(finite, (40, 60)) == ((1, 40), (41, 60), (60, 99))
     assert split(np.zeros(100, dtype=bool), (50,)) == ()
+
+
+@pytest.mark.parametrize(("clipped", "found"), [(30, True), (6, False)])
+def test_a_few_samples_on_a_rail_are_enough(clipped, found):
+    """Thirty of 400,000 equal extremes are a converter's end; noise has one of each."""
+    x = np.random.default_rng(3).standard_normal(400_000)
+    rail = np.sort(x)[-clipped]
+    ends = rails(np.minimum(x, rail), 1e-9)
+    assert ends == ((rail,) if found else ())
+
+
+@pytest.mark.parametrize("width", [0.1, 0.5])
+def test_rounded_noise_has_no_rails(width):
+    for seed in range(40):
+        x = np.round(np.random.default_rng(seed).standard_normal(20_000) / width) * width
+        assert rails(x, width) == ()

@@ -18,6 +18,8 @@ _GRAVITY = 9.80665
 _LARGEST = 1e100
 # As many values tell how coarse the codes are, and they are quick to sort.
 _ENOUGH = 200_000
+# As many samples on one extreme value are no chance.
+_PILE = 10
 _WINDOW = 64
 
 
@@ -153,7 +155,8 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     for rail in (fresh.min(), fresh.max()):
         at_rail = np.count_nonzero(fresh == rail)
         next_code = np.count_nonzero(np.abs(fresh - rail) < 1.5 * width) - at_rail
-        if at_rail > max(10, 1e-4 * fresh.size, 3 * next_code):
+        # The tail of a distribution falls toward its end: next to the extreme there are more.
+        if at_rail > max(_PILE, 3 * next_code):
             found.append(float(rail))
     return tuple(found)
 
