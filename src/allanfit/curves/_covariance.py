@@ -139,10 +139,11 @@ def _cross_covariance(model: NoiseModel, design: Design) -> Float[Array, "sizes 
     projection = design.projection[int(np.argmax(design.lengths))]
     forms = _quadratic_forms(model, design, sizes, length)
     modes = forms.shape[-1]
+    weight, direction = projection.weight[:modes], projection.direction[:modes]
+    mix = projection.mix[:modes]
     for b in single[single < modes - 1]:
         i = b + 1  # the first coefficient is the one projected out
-        row = (np.arange(modes) == i) - projection.direction[i] * projection.mix[:modes]
-        row = row * projection.weight[:modes] / projection.weight[i]
+        row = ((np.arange(modes) == i) - direction[i] * mix) * weight / weight[i]
         row = row * np.sqrt(_mode_variance(model, design, np.arange(1, modes + 1), length))
         cross[:, b] = 4 * np.einsum("j,njk,k->n", row, forms, row)
     # Several stretches share a bin's ordinates and a size's differences alike.

@@ -31,7 +31,8 @@ class LongAllanVariance:
     **Arguments:**
 
     - `cluster_sizes`: increasing positive integers; `allanfit.cluster_sizes(samples)` for the
-      record's length. An odd size above 2048 takes all its positions, and so its time.
+      record's length. An odd size above 2048 takes all its positions, and so its
+      time, and memory for twice as many samples. Without x64 small sizes are as good as float32.
 
     **Raises:** `ValueError` for sizes that are not increasing positive integers.
 
@@ -81,7 +82,7 @@ class LongAllanVariance:
         if not x.size:
             return
         if not self._samples:
-            # Without about its mean, the running sum stays small. A constant changes nothing.
+            # Less about its mean, the running sum stays small. A constant changes nothing.
             self._offset = float(x.mean())
         x = x - self._offset
         for exact in self._exact:
