@@ -8,11 +8,8 @@ without reading it once.
 
 import argparse
 import json
-import os
-import platform
 import time
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 
 import allantools
@@ -21,6 +18,8 @@ import jax.numpy as jnp
 import numpy as np
 
 import allanfit
+
+from ._machine import machine
 
 RESULTS = Path(__file__).parent / "results" / "allan.json"
 
@@ -74,10 +73,7 @@ def main(arguments=None):
         "one_copy_s": copy,
         "copies": fast / copy,
         "largest_relative_difference": float(np.max(np.abs(found / np.array(theirs()) ** 2 - 1))),
-        "machine": platform.platform(),
-        "cores": os.cpu_count(),
-        "versions": {name: version(name) for name in ("allanfit", "allantools", "jax", "numpy")},
-    }
+    } | machine("allantools")
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(document, indent=1) + "\n")
     print(json.dumps(document, indent=1))

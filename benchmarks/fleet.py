@@ -11,9 +11,6 @@ other means than the library's, from devices whose N and B differ, fitted, and c
 
 import argparse
 import json
-import os
-import platform
-from importlib.metadata import version
 from pathlib import Path
 
 import jax
@@ -23,8 +20,10 @@ import allanfit
 from allanfit.fleet import compare
 from allanfit.fleet._compare import FALSE_ALARM
 from allanfit.fleet._outliers import outliers
+from allanfit.fleet._rows import columns
 from allanfit.physics import SYMBOLS
 
+from ._machine import machine
 from .generators import record
 
 RESULTS = Path(__file__).parent / "results" / "fleet.json"
@@ -65,11 +64,11 @@ def rows_of(fits, devices):
             resolved = bool(fits.resolved[symbol][k])
             low, high = map(float, fits.intervals[symbol][k])
             limit = None if resolved else float(fits.upper_limits[symbol][k])
-            row |= {
-                symbol: float(fits.coefficients[symbol][k]), f"{symbol}_resolved": resolved,
-                f"{symbol}_upper_limit_95": limit, f"{symbol}_low_95": low,
-                f"{symbol}_high_95": high, f"{symbol}_unit": "",
+            values = {
+                "value": float(fits.coefficients[symbol][k]), "resolved": resolved,
+                "upper_limit": limit, "low": low, "high": high, "unit": "",
             }  # fmt: skip
+            row |= {name: values[what] for what, name in columns(symbol).items()}
         rows.append(row)
     return rows
 
@@ -116,10 +115,7 @@ def main(arguments=None):
             whole_way(options.fleets, devices, tau)
             for devices, tau in ((8, 0.05), (16, 0.0), (16, 0.05))
         ],
-        "machine": platform.platform(),
-        "cores": os.cpu_count(),
-        "versions": {name: version(name) for name in ("allanfit", "jax", "numpy", "scipy")},
-    }
+    } | machine("scipy")
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(document, indent=1) + "\n")
 

@@ -17,7 +17,8 @@ import numpy as np
 
 import allanfit
 
-from .many import GROUP, RATE_HZ, machine
+from ._machine import machine
+from .many import GROUP, RATE_HZ
 
 
 def sensors_per_second(sensors: int, samples: int) -> float:

@@ -9,19 +9,19 @@ does is told in standard errors of the variance, found from as many records.
 import argparse
 import json
 import os
-import platform
 import resource
 import subprocess
 import sys
 import tempfile
 import time
-from importlib.metadata import version
 from pathlib import Path
 
 import jax
 import numpy as np
 
 import allanfit
+
+from ._machine import machine
 
 RESULTS = Path(__file__).parent / "results" / "long.json"
 BLOCK = 1 << 20
@@ -46,7 +46,7 @@ def speed(folder: Path, samples: int) -> dict:
     mapped.flush()
     sizes = allanfit.cluster_sizes(samples)
     # Compiled before the clock runs.
-    pass_over(np.asarray(mapped[: 2 * BLOCK]), allanfit.cluster_sizes(samples))
+    pass_over(np.asarray(mapped[: 2 * BLOCK]), sizes)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     start = time.perf_counter()
     sum(float(mapped[at : at + BLOCK].sum()) for at in range(0, samples, BLOCK))
@@ -122,9 +122,7 @@ def main(arguments=None):
             "lost_in_standard_errors": nearness(asked.records),
             "fit": whole_fit(folder, asked.fit) if asked.fit else None,
         }
-    document["machine"] = platform.platform()
-    document["cores"] = os.cpu_count()
-    document["versions"] = {name: version(name) for name in ("allanfit", "jax", "numpy")}
+    document |= machine()
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(document, indent=1) + "\n")
     print(json.dumps(document, indent=1))

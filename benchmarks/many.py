@@ -12,19 +12,18 @@ samples and 3.5 s for its intervals on two cores: measured elsewhere, once, and 
 
 import argparse
 import json
-import os
-import platform
 import resource
 import tempfile
 import time
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 
 import jax
 import numpy as np
 
 import allanfit
+
+from ._machine import machine
 
 RESULTS = Path(__file__).parent / "results" / "many.json"
 GMWM_SECONDS = 4.1
@@ -106,17 +105,6 @@ def measure(sensors: int, samples: int) -> dict:
         "result_bytes": sum(leaf.nbytes for leaf in leaves),
         "peak_bytes_above_warm": grown,
         "peak_bytes": peak_bytes(),
-    }
-
-
-def machine() -> dict:
-    """What the numbers were measured on."""
-    return {
-        "machine": platform.platform(),
-        "cores": os.cpu_count(),
-        "load": os.getloadavg()[0],
-        "devices": [device.device_kind for device in jax.local_devices()],
-        "versions": {name: version(name) for name in ("allanfit", "jax", "numpy")},
     }
 
 

@@ -2,12 +2,12 @@
 
 import os
 from importlib.metadata import version
-from importlib.resources import files
 from typing import Any
 
 from ..report._errors import report_extra
 from ..report._files import write_whole
 from ..report._format import significant
+from ..report._template import drawn, render
 from ..report._units import typeset
 from ._result import AxisCalibration, Calibration
 from ._rows import axis_rows, misalignment_rows
@@ -41,35 +41,25 @@ def write_calibration_page(found: Calibration, target: str | os.PathLike[str]) -
 
 def _page(found: Calibration) -> str:
     with report_extra():
-        from jinja2 import Environment, StrictUndefined
-        from markupsafe import Markup
-
         from ._figure import residual_svg
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["typeset"] = typeset
-    template = environment.from_string(
-        files("allanfit.calibrate").joinpath("page.html.jinja").read_text("utf-8")
-    )
     axes = [
         {
             "name": name,
             "rows": axis_rows(axis, found.procedure),
             "per_rate": _per_rate(axis),
             "unit_in_brackets": f" [{typeset(axis.bias.unit)}]" if axis.bias.unit else "",
-            # Drawn by us, every user's string in it escaped by matplotlib.
-            "figure": axis.residuals and Markup(residual_svg(axis.residuals, f"axis-{number}-")),
+            "figure": axis.residuals and drawn(residual_svg(axis.residuals, f"axis-{number}-")),
         }
         for number, (name, axis) in enumerate(found.axes.items(), start=1)
     ]
-    return template.render(
+    return render(
+        "page.html.jinja",
+        package="allanfit.calibrate",
         found=found,
         axes=axes,
         misalignment=misalignment_rows(found),
-        figure=found.residuals and Markup(residual_svg(found.residuals, "triad-")),
+        figure=found.residuals and drawn(residual_svg(found.residuals, "triad-")),
         residual_help=_RESIDUAL_HELP[found.procedure],
-        style=Markup(files("allanfit.report").joinpath("style.css").read_text("utf-8")),
         version=version("allanfit"),
     )
 

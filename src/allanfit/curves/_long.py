@@ -87,11 +87,9 @@ class LongAllanVariance:
         x = x - self._offset
         for exact in self._exact:
             exact.add(x)
-        phase = np.concatenate([[self._phase], self._phase + np.cumsum(x)])
-        # The first block begins with the phase before its first sample.
-        first = self._samples + 1 if self._samples else 0
+        phase = self._phase + np.cumsum(x)
         for level in self._levels:
-            level.add(phase[1:] if self._samples else phase, first)
+            level.add(phase, self._samples + 1)
         self._samples += x.size
         self._phase = float(phase[-1])
 
@@ -134,7 +132,7 @@ class _Exact:
     def value(self) -> Float[np.ndarray, " sizes"]:
         rest = np.concatenate([np.zeros(0), *self._blocks])
         last = _Level(1, self.sizes)
-        last.add(np.concatenate([[0.0], np.cumsum(rest)]), 0)
+        last.add(np.cumsum(rest), 1)
         with np.errstate(invalid="ignore"):
             return (self._sums + last.sums / (2.0 * self.sizes**2)) / (
                 self._positions + last.counts
@@ -152,8 +150,8 @@ class _Level:
         self._steps = sizes // stride
         self.sums = np.zeros(len(sizes))
         self.counts = np.zeros(len(sizes))
-        #: As much of the phase as the longest difference reaches back.
-        self._tail = np.zeros(0)
+        #: As much of the phase as the longest difference reaches back: zero before all samples.
+        self._tail = np.zeros(1)
 
     def add(self, phase: Float[np.ndarray, " samples"], first: int) -> None:
         """Take the phase at positions `first` and after."""

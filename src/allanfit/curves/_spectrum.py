@@ -71,9 +71,7 @@ class RampProjection(eqx.Module):
     @property
     def direction(self) -> Float[Array, " modes"] | Float[np.ndarray, " modes"]:
         """g; on the host if this was made there."""
-        of = jnp if isinstance(self.odd_direction, jax.Array) else np
-        both = of.stack([self.odd_direction, of.zeros_like(self.odd_direction)], axis=1)
-        return both.reshape(-1)[: self.modes]
+        return _among_zeros(self.odd_direction, self.modes)
 
     @property
     def mix(self) -> Float[Array, " modes"] | Float[np.ndarray, " modes"]:
@@ -83,19 +81,23 @@ class RampProjection(eqx.Module):
         of = jnp if isinstance(direction, jax.Array) else np
         return of.where(first, 1.0, direction / (1 + direction[0]))
 
-    def project(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
-        """Coefficients of order 2 and up that no ramp can change [u]; linear in its argument."""
-        dtype = coefficients.dtype
-        weight = _weight(jnp.arange(1, self.modes + 1).astype(dtype))
-        direction = jnp.asarray(self.odd_direction, dtype)
-        odd = (coefficients * weight)[::2]
-        mixed = odd[0] + jnp.sum(odd[1:] * direction[1:]) / (1 + direction[0])
-        # Zeros between the odd orders, and after the last of them where the last order is even.
-        after = self.modes - (2 * len(direction) - 1)
-        spread = jax.lax.pad(direction * mixed, jnp.zeros((), dtype), [(0, after, 1)])
-        return coefficients[1:] - spread[1:] / weight[1:]
+    def project(
+        self, coefficients: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+    ) -> Float[Array, " rest"] | Float[np.ndarray, " rest"]:
+        """Coefficients of order 2 and up that no ramp can change [u]; linear in its argument.
 
-    def __call__(self, coefficients: Float[Array, " modes"]) -> Float[Array, " rest"]:
+        On the host if the coefficients are there.
+        """
+        of = jnp if isinstance(coefficients, jax.Array) else np
+        weight = _weight(of.arange(1, self.modes + 1).astype(coefficients.dtype))
+        direction = of.asarray(self.odd_direction, coefficients.dtype)
+        odd = (coefficients * weight)[::2]
+        mixed = odd[0] + of.sum(odd[1:] * direction[1:]) / (1 + direction[0])
+        return coefficients[1:] - _among_zeros(direction * mixed, self.modes)[1:] / weight[1:]
+
+    def __call__(
+        self, coefficients: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+    ) -> Float[Array, " rest"] | Float[np.ndarray, " rest"]:
         """Squares of the projected coefficients of order 2 and up [u^2]."""
         return self.project(coefficients) ** 2
 
@@ -113,6 +115,17 @@ class RampProjection(eqx.Module):
         leaked = direction**2 * (mix**2 * weighted).sum()
         rest = weighted * (1 - 2 * direction * mix) + leaked
         return rest[1:] / weight[1:] ** 2
+
+
+def _among_zeros(odd, modes: int):
+    """Values at the odd orders, with zeros at the even ones."""
+    if isinstance(odd, jax.Array):
+        # Zeros after the last of them too, where the last order is even.
+        after = modes - (2 * len(odd) - 1)
+        return jax.lax.pad(odd, jnp.zeros((), odd.dtype), [(0, after, 1)])
+    whole = np.zeros(modes, odd.dtype)
+    whole[::2] = odd
+    return whole
 
 
 def _weight(order):

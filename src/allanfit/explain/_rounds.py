@@ -100,7 +100,7 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
 
 def _line_options(state: Investigation) -> list[Option]:
     piece = state.longest
-    held = sum(course.name == "sinusoid" for course in state.courses)
+    held = len(state.lines)
     known = tuple(peak.frequency for peak in state.peaks)
     white = whitened_piece(state, piece, ())
     peaks = [
@@ -150,9 +150,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     alone = line_log_chance(sine.gain / 2, samples) < np.log(loose)
     # A line that wanders shows one peak after another within its width.
     same = [
-        course
-        for course in state.courses
-        if course.name == "sinusoid" and abs(course.shape["frequency"] - sine.frequency) < close
+        course for course in state.lines if abs(course.shape["frequency"] - sine.frequency) < close
     ]
     if alone and not beside and not same:
         course = _means.oscillation(sine.frequency, state.longest[0], state.values.size)

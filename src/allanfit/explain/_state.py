@@ -1,6 +1,8 @@
 """What is known of one channel while it is investigated, and how that is kept up to date."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -83,6 +85,11 @@ class Investigation:
     def longest(self) -> tuple[int, int]:
         """The longest stretch."""
         return max(self.pieces, key=lambda piece: piece[1] - piece[0])
+
+    @property
+    def lines(self) -> list[Course]:
+        """The courses that are sinusoids."""
+        return [course for course in self.courses if course.name == "sinusoid"]
 
     @property
     def drawn(self) -> Float[np.ndarray, " samples"] | None:
@@ -207,24 +214,24 @@ def add_course(state: Investigation, course: Course, finding: Finding) -> None:
 
 def drop_lines(state: Investigation, gone: list[Course]) -> None:
     """Take back sinusoids that were none."""
-    lines = [at for at, course in enumerate(state.courses) if course.name == "sinusoid"]
-    found = [at for at, finding in enumerate(state.findings) if finding.name == "sinusoid"]
     # Lines and their findings were added together, and so are in one order.
-    dropped = {
-        (line, finding)
-        for line, finding in zip(lines, found, strict=True)
-        if any(state.courses[line] is course for course in gone)
-    }
-    kept = [at for at in range(len(state.courses)) if at not in {line for line, _ in dropped}]
-    state.courses = [state.courses[at] for at in kept]
-    state.moved = [state.moved[at] for at in kept]
-    bare = {finding for _, finding in dropped}
-    state.findings = [each for at, each in enumerate(state.findings) if at not in bare]
+    named = [finding for finding in state.findings if finding.name == "sinusoid"]
+    pairs = zip(state.lines, named, strict=True)
+    bare = [finding for line, finding in pairs if _is_one_of(line, gone)]
+    state.findings = [each for each in state.findings if not _is_one_of(each, bare)]
+    kept = [not _is_one_of(course, gone) for course in state.courses]
+    state.courses = list(compress(state.courses, kept))
+    state.moved = list(compress(state.moved, kept))
     if state.courses:
         resize(state)
     else:
         state.sized = None
         rebin(state)
+
+
+def _is_one_of(one: object, many: Sequence[object]) -> bool:
+    """By identity: what holds arrays cannot be compared."""
+    return any(one is each for each in many)
 
 
 def resize(state: Investigation) -> None:

@@ -73,7 +73,7 @@ def look_again(state: Investigation) -> None:
 
 def _combs(state: Investigation) -> None:
     """Lines at equal distances within a narrow band: one line that comes and goes."""
-    lines = sorted(c.shape["frequency"] for c in state.courses if c.name == "sinusoid")
+    lines = sorted(course.shape["frequency"] for course in state.lines)
     group: list[float] = []
     for line in [*lines, np.inf]:
         if group and line > group[0] * (1 + _CLOSE):
@@ -148,8 +148,8 @@ def _turns(state: Investigation) -> None:
     """A line that wanders to and fro dwells where it turns, and looks like a sinusoid there."""
     if "drifting_line" in state.disowned:
         return
-    lines = [c.shape["frequency"] for c in state.courses if c.name == "sinusoid"]
     wandering = [one for group in _narrow(state) for one in group if one.name == "drifting_line"]
+    lines = [course.shape["frequency"] for course in state.lines]
     state.disowned_lines += [
         line
         for line in lines

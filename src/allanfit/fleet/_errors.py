@@ -1,23 +1,17 @@
 """The error of this stage, and the message for a missing extra."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
+
+from ..extras import needs
 
 
 class FleetError(ValueError):
     """A fleet cannot be analysed, or not to the end; one sentence says why and what to do."""
 
 
-@contextmanager
-def fleet_extra() -> Iterator[None]:
+def fleet_extra() -> AbstractContextManager[None]:
     """Guard the imports that the extra `fleet` brings.
 
     **Raises** `FleetError` naming the install command, in place of `ModuleNotFoundError`.
     """
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        package = (error.name or "a package").partition(".")[0]
-        raise FleetError(
-            f"Fleets need {package}, which is not installed: run `pip install 'allanfit[fleet]'`."
-        ) from error
+    return needs("'allanfit[fleet]'", "Fleets", FleetError)

@@ -2,14 +2,12 @@
 
 import os
 from importlib.metadata import version
-from importlib.resources import files
 from typing import Any
 
 from ..report._errors import report_extra
 from ..report._figures import as_svg
 from ..report._files import write_whole
-from ..report._template import drawn
-from ..report._units import typeset
+from ..report._template import drawn, render
 from ._compare import FALSE_ALARM, FEWEST, Comparison, Quantity
 from ._run import FleetRun
 from ._words import (
@@ -31,19 +29,11 @@ def write_summary(run: FleetRun, comparison: Comparison, target: str | os.PathLi
     **Raises** `ReportError` when jinja2 or matplotlib is not installed, and when the file cannot
     be written.
     """
-    with report_extra():
-        from jinja2 import Environment, StrictUndefined
-        from markupsafe import Markup
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["typeset"] = typeset
-    template = environment.from_string(
-        files("allanfit.fleet").joinpath("summary.html.jinja").read_text("utf-8")
-    )
     quantities = comparison.quantities
     devices = {device for each in quantities for device in each.devices}
-    page = template.render(
+    page = render(
+        "summary.html.jinja",
+        package="allanfit.fleet",
         counts=counts_sentence(run, len(devices)),
         quantities=[_quantity(each, number) for number, each in enumerate(quantities, start=1)],
         enough=any(len(each.devices) >= FEWEST for each in quantities),
@@ -61,15 +51,14 @@ def write_summary(run: FleetRun, comparison: Comparison, target: str | os.PathLi
             for group in grouped(comparison.outliers)
         ],
         errors=[(str(path), error) for path, error in (*run.errors, *run.kept)],
-        style=Markup(files("allanfit.report").joinpath("style.css").read_text("utf-8")),
         version=version("allanfit"),
     )
     write_whole(page, target)
 
 
 def _quantity(quantity: Quantity, number: int) -> dict[str, Any]:
-    from ._figure import draw_quantity
-
+    with report_extra():
+        from ._figure import draw_quantity
     return {
         "name": quantity.name,
         "unit": quantity.unit,

@@ -139,7 +139,8 @@ def _influence(
         modes = cosine_coefficients(x)
         low = jnp.zeros(matrices.shape[2], dtype).at[: len(modes)].set(modes[: matrices.shape[2]])
         gain = 2 * weights / design.ordinates
-        noise = noise_parts(design.projection[i].project(modes), gain, index, inside[i])
+        rest = jnp.asarray(design.projection[i].project(modes))
+        noise = noise_parts(rest, gain, index, inside[i])
         parts.append(jnp.concatenate([noise, (matrices[i] @ low)[None]]))
         noise = noise_expectation(gain * mean / 2, index, fractions[i])
         ramp = coefficients[-1] * (matrices[i, :, ::2] @ design.ramp[i])

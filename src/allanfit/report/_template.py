@@ -7,15 +7,15 @@ from ._errors import report_extra
 from ._units import typeset
 
 
-def render(name: str, **context: Any) -> str:
-    """The template of that name in this folder, with the style sheet in its `style`.
+def render(name: str, *, package: str = "allanfit.report", **context: Any) -> str:
+    """The template of that name in a `package`, with this one's style sheet in its `style`.
 
     **Raises** `ReportError` when jinja2 is not installed.
     """
     with report_extra():
         from jinja2 import Environment, FunctionLoader, StrictUndefined
         from markupsafe import Markup
-    folder = files("allanfit.report")
+    folder, ours = files(package), files("allanfit.report")
 
     def read(part: str) -> str:
         return folder.joinpath(part).read_text("utf-8")
@@ -28,7 +28,8 @@ def render(name: str, **context: Any) -> str:
         lstrip_blocks=True,
     )
     environment.filters["typeset"] = typeset
-    return environment.get_template(name).render(style=Markup(read("style.css")), **context)
+    style = Markup(ours.joinpath("style.css").read_text("utf-8"))
+    return environment.get_template(name).render(style=style, **context)
 
 
 def drawn(element: str) -> Any:

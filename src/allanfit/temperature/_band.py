@@ -42,7 +42,8 @@ def highest_mode(stretches: Sequence[Float[np.ndarray, " _"]]) -> int:
     count = np.zeros(longest)
     for stretch in stretches:
         coefficients = np.asarray(dct(stretch - stretch.mean(), type=2, norm="ortho"))[1:]
-        squares = np.asarray(_without_ramp(coefficients)) ** 2
+        # Of what no straight line explains.
+        squares = np.asarray(RampProjection(stretch.size)(coefficients))
         # Orders of the longest stretch with about the same frequency, from 2 on.
         order = np.arange(2, stretch.size) * longest // stretch.size
         np.add.at(power, order, squares)
@@ -70,12 +71,3 @@ def error_power(stretches: Sequence[Float[np.ndarray, " _"]]) -> float:
     noise = 2 / 3 * float(np.mean(bends**2)) if bends.size else 0.0
     held = sum(stretch.size for stretch in stretches) / sum(run.size for run in runs)
     return held * max(noise, code**2 / 12)
-
-
-def _without_ramp(coefficients: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " rest"]:
-    """Coefficients of order 2 and up of what no straight line explains."""
-    projection = RampProjection(coefficients.size + 1)
-    weight = projection.weight
-    weighted = coefficients * weight
-    rest = weighted - projection.direction * np.sum(weighted * projection.mix)
-    return rest[1:] / weight[1:]
