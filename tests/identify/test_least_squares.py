@@ -18,6 +18,11 @@ SHAPE = jnp.asarray(LAYOUT.ordinates / 2)
 LEVEL = np.exp(np.mean(np.log(LAYOUT.density), axis=0))
 
 
+# Compiled once for all tests: one spectrum, and a thousand.
+solve = jax.jit(least_squares)
+solve_many = jax.jit(jax.vmap(least_squares, (0, None, None)))
+
+
 def spectra(power, records, seed=0):
     mean = EXPECTED @ jnp.asarray(power)
     keys = jax.random.split(jax.random.key(seed), records)
@@ -51,6 +56,12 @@ def test_fisher_information_is_the_expected_curvature():
     np.testing.assert_allclose(fisher_information(power, EXPECTED, SHAPE), hessian, rtol=1e-6)
 
 
+@jax.jit
+@jax.value_and_grad
+def deviance_and_slope(power, density, expected):
+    return jnp.sum(deviance_residuals(power, density, expected, SHAPE) ** 2)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_no_search_from_many_starts_does_better(seed):
     """Wrong optima would show as a lower value found by L-BFGS-B from some of 12 starts."""
@@ -59,13 +70,10 @@ def test_no_search_from_many_starts_does_better(seed):
     power[1] += 1e-2
     density = spectra(power / LEVEL, 1, seed)[0]
     scaled = EXPECTED / LEVEL
-    found = least_squares(density, scaled, SHAPE)
-    value = jax.jit(
-        jax.value_and_grad(lambda p: jnp.sum(deviance_residuals(p, density, scaled, SHAPE) ** 2))
-    )
+    found = solve(density, scaled, SHAPE)
     best = min(
         minimize(
-            lambda p: tuple(np.asarray(v, float) for v in value(p)),
+            lambda p: tuple(np.asarray(v, float) for v in deviance_and_slope(p, density, scaled)),
             10.0 ** rng.uniform(-6, 1, 4),
             jac=True,
             method="L-BFGS-B",
@@ -86,7 +94,7 @@ def test_a_thousand_odd_spectra_end_at_their_optimum():
     density = jax.vmap(lambda key, mean: jax.random.gamma(key, SHAPE) / SHAPE * mean)(
         jax.random.split(key, 1000), power @ EXPECTED.T
     )
-    found = jax.jit(jax.vmap(least_squares, (0, None, None)))(density, EXPECTED, SHAPE)
+    found = solve_many(density, EXPECTED, SHAPE)
     scores = jax.vmap(score, (0, 0, None, None))(found.power, density, EXPECTED, SHAPE)
     assert float(jnp.mean(found.converged)) > 0.998
     assert float(jnp.max(jnp.where(found.power == 0, scores, -jnp.inf))) < 1e-3
@@ -97,13 +105,13 @@ def test_a_thousand_odd_spectra_end_at_their_optimum():
 def test_derivative_equals_finite_differences():
     density = spectra(np.array([0.0, 1.0, 0.1, 0.01]) / LEVEL, 1, seed=5)[0]
 
-    def solve(y):
-        return least_squares(y, EXPECTED, SHAPE).power
+    def power(y):
+        return solve(y, EXPECTED, SHAPE).power
 
-    jacobian = jax.jacrev(solve)(density)
+    jacobian = jax.jit(jax.jacrev(power))(density)
     for b in (5, 20, len(density) - 1):
         step = 1e-2 * density[b]
-        difference = (solve(density.at[b].add(step)) - solve(density.at[b].add(-step))) / (2 * step)
+        difference = (power(density.at[b].add(step)) - power(density.at[b].add(-step))) / (2 * step)
         scale = np.abs(difference).max()
         np.testing.assert_allclose(jacobian[:, b], difference, atol=1e-3 * scale)
 
@@ -111,7 +119,7 @@ def test_derivative_equals_finite_differences():
 def test_goodness_of_fit_is_uniform_under_the_model():
     """KS over 1000 spectra at N = 4096; false alarm 0.001, seeded."""
     density = spectra(np.array([0.0, 1.0, 0.3, 0.03]) / LEVEL, 1000, seed=6)
-    found = jax.jit(jax.vmap(least_squares, (0, None, None)))(density, EXPECTED, SHAPE)
+    found = solve_many(density, EXPECTED, SHAPE)
     fitted = jnp.sum(found.power > 0, axis=1).astype(float)
     p = jax.vmap(goodness_of_fit, (0, None, 0))(found.deviance, SHAPE, fitted)
     distance = np.abs(np.sort(p) - (np.arange(1000) + 0.5) / 1000).max()

@@ -22,7 +22,8 @@ RESOLVED_DEVIANCE = 3.84
 # A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
 RESOLVED_RAMP_P = 0.005
 
-_BINS_AT_A_TIME = 48
+# More bins than 30 million samples make.
+_BINS_AT_A_TIME = 112
 _WALKERS = 32
 _BURN_IN = 200
 _DRAWS = 100
@@ -71,8 +72,8 @@ def as_design_dtype(design: Design, dtype) -> Design:
 def target(found: Statistics, design: Design) -> Target:
     """The spectrum that the coefficients are fitted to, normalised to a level near one.
 
-    Bins of no weight fill it up to a round number of them, so that records of many lengths share
-    one compilation of what follows, which takes the longest to compile.
+    Bins of no weight fill it up to a number that nearly all records have, so that they share one
+    compilation of what follows, which takes the longest to compile.
     """
     level = jax.lax.stop_gradient(jnp.median(found.density))
     padding = -len(design.ordinates) % _BINS_AT_A_TIME

@@ -9,6 +9,9 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from ..curves import Design
 from ._likelihood import Powers
 
+# Several stretches are filled up to a multiple of these, to share what is compiled for them.
+_STRETCHES_AT_A_TIME = 8
+
 
 class RampData(NamedTuple):
     """What a record says of its slope, stretches one after another along the axis of modes."""
@@ -21,11 +24,17 @@ class RampData(NamedTuple):
 
 
 def ramp_data(odd_modes: Float[Array, "stretches modes"], design: Design) -> RampData:
-    """The odd modes of a record beside what its design expects of them."""
-    variance = jnp.asarray(design.ramp_variance)
+    """The odd modes of a record beside what its design expects of them.
+
+    Stretches in which a ramp has no modes may follow.
+    """
+    stretches, modes = odd_modes.shape
+    empty = -stretches % _STRETCHES_AT_A_TIME if stretches > 1 else 0
+    rows = ((0, empty), (0, 0))
+    variance = jnp.pad(design.ramp_variance, (*rows, (0, 0)), constant_values=1)
     return RampData(
-        odd_modes.ravel(),
-        jnp.asarray(design.ramp).ravel(),
+        jnp.pad(odd_modes, rows).ravel(),
+        jnp.pad(design.ramp, rows).ravel(),
         variance.reshape(-1, variance.shape[-1]),
     )
 
