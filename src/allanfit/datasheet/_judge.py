@@ -10,7 +10,7 @@ from jaxtyping import Float
 from ..physics import SYMBOLS
 from ._lowest import lowest_of_curve, lowest_of_model
 from ._read import Datasheet
-from ._words import Line, Meaning, meanings_of
+from ._words import Line, Meaning
 
 SheetVerdict = Literal["met", "missed", "cannot be told"]
 
@@ -57,8 +57,8 @@ class Judged:
     resolved: bool = False
     of_curve: bool = False
     """Read off the Allan deviation itself, since the five terms do not explain the recording."""
-    otherwise: tuple[Meaning, SheetVerdict] | None = None
-    """Another reading of the words, and the verdict to which it would lead, if it differs."""
+    as_coefficient: SheetVerdict | None = None
+    """The verdict if the words meant the coefficient itself, where that is another."""
 
     def to_dict(self) -> dict[str, Any]:
         """This line's entry in the fit JSON."""
@@ -75,9 +75,7 @@ class Judged:
             "from": "curve" if self.of_curve else "posterior",
             "probability": self.probability,
             "verdict": self.verdict,
-            "otherwise": None
-            if self.otherwise is None
-            else {"as": self.otherwise[0], "verdict": self.otherwise[1]},
+            "verdict_as_coefficient": self.as_coefficient,
         }
 
 
@@ -101,13 +99,11 @@ def datasheet_document(sheet: Datasheet, judged: Sequence[Judged]) -> dict[str, 
 def _judged(line: Line, shown: Shown) -> Judged:
     values = _values(line.meaning, line.symbol, shown)
     probability, verdict = _verdict(line, values)
-    otherwise = None
-    for meaning in meanings_of(line.symbol):
-        other = _values(meaning, line.symbol, shown)
-        differs = _verdict(line, other)[1]
-        # A wrong model's B says nothing about what a curve shows.
-        if differs != verdict and other.of_curve == values.of_curve:
-            otherwise = (meaning, differs)
+    as_coefficient = None
+    # A wrong model's B says nothing about what a curve shows, and a random walk means itself.
+    if line.meaning != "coefficient" and not values.of_curve:
+        differs = _verdict(line, _values("coefficient", line.symbol, shown))[1]
+        as_coefficient = None if differs == verdict else differs
     low, middle, high = np.quantile(values.draws, [0.025, 0.5, 0.975]) / line.factor
     return Judged(
         line,
@@ -117,7 +113,7 @@ def _judged(line: Line, shown: Shown) -> Judged:
         (float(low) if values.seen else 0.0, float(high)),
         values.seen,
         values.of_curve,
-        otherwise,
+        as_coefficient,
     )
 
 

@@ -40,4 +40,4 @@ def lowest_of_curve(
     freedom = 5 * samples**2 / (4 * sizes[place] * (samples + 3 * sizes[place]))
     quantiles = (np.arange(_DRAWS) + 0.5) / _DRAWS
     draws = deviation[place] * np.sqrt(freedom / chi2.ppf(quantiles, freedom))
-    return draws, place != usable[-1]
+    return draws, bool(place != usable[-1])

@@ -7,7 +7,6 @@ from ._format import percent, printable, reading, significant, upper_limit
 
 # How the words were read, where the number is not the coefficient itself.
 _MEANINGS = {
-    "coefficient": "the coefficient itself",
     "one_sided_density": "the root of a one-sided density, √2 N",
     "allan_minimum": "the lowest Allan deviation, which is 0.664 B or more",
 }
@@ -23,8 +22,8 @@ class SheetRow(NamedTuple):
     verdict: str  # "met", "missed" or "cannot be told"
     words: str  # "noise density"
     stated: str  # "0.05 °/s/√Hz typical"
-    measured: str  # "0.0512 [0.0508, 0.0516]", "< 0.02" or "undefined"
-    chance: str  # of being at or below what is stated: "> 99.9 %"
+    measured: str  # "0.0512 [0.0508, 0.0516]", "< 0.02" or "unknown"
+    chance: str  # of being at or below what is stated: "> 99.9 %" or "unknown"
 
 
 def sheet_rows(channel: Mapping[str, Any]) -> list[SheetRow]:
@@ -33,7 +32,9 @@ def sheet_rows(channel: Mapping[str, Any]) -> list[SheetRow]:
 
 
 def _row(line: Mapping[str, Any]) -> SheetRow:
-    if line["resolved"] or line["measured"] is None:
+    if line["measured"] is None:
+        measured = "unknown"
+    elif line["resolved"]:
         value, interval, _ = reading(line["measured"], line["interval_95"], "")
         measured = f"{value} {interval}".rstrip()
     else:
@@ -43,7 +44,7 @@ def _row(line: Mapping[str, Any]) -> SheetRow:
         printable(line["words"]),
         f"{significant(line['stated'])} {printable(line['unit'])} {line['bound']}",
         measured,
-        percent(line["probability"]),
+        "unknown" if line["probability"] is None else percent(line["probability"]),
     )
 
 
@@ -57,7 +58,7 @@ def sheet_title(channel: Mapping[str, Any]) -> str:
 def sheet_notes(channel: Mapping[str, Any]) -> list[str]:
     """How the words were read, what another reading would change, and whether the model holds."""
     lines = channel["datasheet"]["lines"]
-    notes = [_note(line) for line in lines if line["as"] != "coefficient" or line["otherwise"]]
+    notes = [_note(line) for line in lines if line["as"] != "coefficient"]
     modelled = any(line["from"] == "posterior" for line in lines)
     if modelled and channel["goodness_of_fit"]["consistent"] is False:
         notes.append(_MISFIT)
@@ -67,12 +68,12 @@ def sheet_notes(channel: Mapping[str, Any]) -> list[str]:
 def _note(line: Mapping[str, Any]) -> str:
     note = f"{printable(line['words'])} is read as {_MEANINGS[line['as']]}"
     if line["from"] == "curve":
-        note += " (here of the measured curve, since the five terms do not explain it"
-        note += ")" if line["resolved"] else ", and the curve still falls at a tenth of the record)"
-    other = line["otherwise"]
+        note += ", here of the measured curve, since the five terms do not explain it"
+        note += "" if line["resolved"] else "; it is lowest at the longest times known"
+    other = line["verdict_as_coefficient"]
     if other is None:
         return f"{note}."
-    return f"{note}; read as {_MEANINGS[other['as']]}, it is {_said(other['verdict'])}."
+    return f"{note}; read as {line['coefficient']} itself, it is {_said(other)}."
 
 
 def _said(verdict: str) -> str:
