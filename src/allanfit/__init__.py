@@ -8,6 +8,8 @@ from .curves import allan_variance as allan_variance
 from .curves import cluster_sizes as cluster_sizes
 from .curves import psd as psd
 from .curves import slope_reading as slope_reading
+from .datasheet import Datasheet as Datasheet
+from .datasheet import read_datasheet as read_datasheet
 from .explain import Explanation as Explanation
 from .explain import explain as explain
 from .identify import Fit as Fit

@@ -1,4 +1,4 @@
-"""Read noise coefficients from a file: JSON of a fit or of explain, or lines of YAML or JSON."""
+"""Read noise coefficients from a file: a fit, an explanation, a data sheet, or lines of YAML."""
 
 import math
 from collections.abc import Mapping
@@ -6,8 +6,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from .coefficient_units import UNITS
+from .datasheet import Datasheet, datasheet_from, is_datasheet
+from .mapping_file import read_mapping
 from .physics import SYMBOLS, AbstractEffect, Sampling, effect_from, scaled
 
+_HINT = "a fit's JSON, a data sheet, or lines such as `N: 0.005`"
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
 
 
@@ -43,6 +47,7 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
     A fit's JSON (schema allanfit.fit/1) gives every channel, with the values that its figure
     draws: medians, and no ramp where none is resolved. That of explain (schema
     allanfit.explain/1) gives the coefficients beside the effects that it names, and the effects.
+    A data sheet (see `allanfit.read_datasheet`) gives channels named like its sections, in SI.
     Any other JSON or YAML file is a mapping of symbols to numbers, with an optional `unit` and
     `effects`, for one channel named `data`:
 
@@ -52,15 +57,18 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
         effects:
         - {name: gauss_markov, sigma: 0.002, correlation_time: 30}
 
-    **Raises:** `CoefficientsError` if the file is missing, no such mapping, or lacks a channel.
+    **Raises:** `CoefficientsError` if the file is missing, no such mapping, or lacks a channel;
+    `DatasheetError` if something in a data sheet is not understood.
     """
     path = Path(path)
-    document = _parse(path)
+    document = read_mapping(path, "coefficients", _HINT, CoefficientsError)
     if "channels" in document:
         entries = document["channels"]
         if not isinstance(entries, list) or not entries:
             raise CoefficientsError(_INCOMPLETE.format(path.name))
         found = [_from_fit(entry, path) for entry in entries]
+    elif is_datasheet(document):
+        found = _from_datasheet(datasheet_from(document, path.name))
     else:
         found = [_from_mapping(document, path)]
     names = [entry.channel for entry in found]
@@ -70,25 +78,6 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
             f"{path.name} has no channel {missing[0]!r}; it has {', '.join(names)}."
         )
     return [entry for entry in found if not channels or entry.channel in channels]
-
-
-def _parse(path: Path) -> Mapping[str, Any]:
-    import yaml  # an extra, needed here alone
-
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise CoefficientsError(f"Cannot read coefficients from {path.name}: {reason}.") from error
-    except yaml.YAMLError as error:
-        raise CoefficientsError(
-            f"{path.name} is neither JSON nor YAML; give a fit's JSON or lines such as `N: 0.005`."
-        ) from error
-    if not isinstance(document, Mapping):
-        raise CoefficientsError(
-            f"{path.name} holds no coefficients; give a fit's JSON or lines such as `N: 0.005`."
-        )
-    return document
 
 
 def coefficients_of(entry: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -141,6 +130,16 @@ def _from_fit(entry: Any, path: Path) -> Coefficients:
         )
     except (KeyError, TypeError) as error:
         raise CoefficientsError(_INCOMPLETE.format(path.name)) from error
+
+
+def _from_datasheet(sheet: Datasheet) -> list[Coefficients]:
+    """A channel a section, in SI; random walks before densities, typical values before largest."""
+    found: dict[str, Coefficients] = {}
+    for line in sorted(sheet.lines, key=lambda each: each.indirectness):
+        unit = UNITS[line.kind]["B"].si
+        entry = found.setdefault(line.section, Coefficients(line.section, unit, {}))
+        entry.values.setdefault(line.symbol, line.coefficient)
+    return [found[section] for section in dict.fromkeys(line.section for line in sheet.lines)]
 
 
 def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:

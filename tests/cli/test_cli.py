@@ -34,6 +34,42 @@ def test_fit_writes_table_json_and_page(recording, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["fit.html", "fit.json"]
 
 
+def test_fit_says_whether_a_data_sheet_is_met(recording, tmp_path, capsys):
+    sheet, target, page = tmp_path / "sheet.yaml", tmp_path / "fit.json", tmp_path / "fit.html"
+    # The truth is 0.3 deg/√h, which has the one-sided density 7.07 mdps/√Hz.
+    sheet.write_text(
+        "sensor: <b>maker's</b>\n"
+        "gyro: {angle random walk: 0.33 deg/√h, noise density: {max: 5.2 mdps/√Hz}}\n"
+    )
+    arguments = ["fit", str(recording), "--no-posterior", "--datasheet", str(sheet)]
+    assert main([*arguments, "--json", str(target), "--report", str(page)]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "met angle random walk 0.33 deg/√h typical; measured 0." in out
+    assert "missed noise density 5.2 mdps/√Hz max; measured " in out
+    assert "met with probability < 0.1 %" in out
+    (channel,) = json.loads(target.read_text())["channels"]
+    walk, density = channel["datasheet"]["lines"]
+    assert (walk["verdict"], density["verdict"]) == ("met", "missed")
+    # The table and the data sheet tell one number.
+    table = channel["coefficients"]["N"]["intervals"]["0.95"]
+    assert walk["interval_95"] == pytest.approx([60 * bound for bound in table], rel=1e-3)
+    assert density["verdict_as_coefficient"] == "met"
+    html = page.read_text()
+    assert '<td class="bad">missed</td>' in html
+    assert "<b>maker" not in html
+
+
+def test_a_data_sheet_that_does_not_go_with_the_recording_is_told_before_the_fit(
+    recording, tmp_path, capsys
+):
+    sheet = tmp_path / "sheet.yaml"
+    sheet.write_text("gyro_w: {N: 0.3 deg/√h}\n")
+    assert main(["fit", str(recording), "--datasheet", str(sheet)]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("allanfit: sheet.yaml is about 'gyro_w'")
+    assert err.count("\n") == 1
+
+
 def test_json_to_stdout_is_json_alone(recording, capsys):
     assert main(["fit", str(recording), "--no-posterior", "--json", "-"]) == 0
     out, err = capsys.readouterr()

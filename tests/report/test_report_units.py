@@ -1,13 +1,11 @@
+import re
+from pathlib import Path
+
 import pint
 import pytest
 
-from allanfit.report._units import (
-    _SI_FACTORS,
-    field_units,
-    si_unit,
-    squared_per_hertz,
-    typeset,
-)
+from allanfit.coefficient_units import UNITS, field_units, measured_by, si_unit
+from allanfit.report._units import squared_per_hertz, typeset
 
 REGISTRY = pint.UnitRegistry()
 # Names that pint spells otherwise, or gives another meaning (g is its gram).
@@ -26,6 +24,12 @@ PINT_NAMES = {
     "deg/min": "deg/minute",
     "rad/h": "rad/hour",
     "mdeg/s": "1e-3 * deg/s",
+    "rad/s/sqrt(Hz)": "rad/s/Hz**0.5",
+    "m/s^2/sqrt(Hz)": "m/s**2/Hz**0.5",
+}
+CHANNELS = {
+    "gyro": ("rad/s", "mrad/s", "rad/h", "deg/s", "mdeg/s", "deg/min", "deg/h", "rpm"),
+    "accelerometer": ("m/s^2", "cm/s^2", "mm/s^2", "g", "mg", "ug"),
 }
 POWERS_OF_SECOND = {"Q": "* s", "N": "/ Hz**0.5", "B": "", "K": "/ s**0.5", "R": "/ s"}
 
@@ -36,7 +40,7 @@ def in_pint(unit: str) -> str:
 
 @pytest.mark.parametrize("symbol", POWERS_OF_SECOND)
 @pytest.mark.parametrize(
-    ("kind", "unit"), [(kind, unit) for kind, units in _SI_FACTORS.items() for unit in units]
+    ("kind", "unit"), [(kind, unit) for kind, units in CHANNELS.items() for unit in units]
 )
 def test_conversions_agree_with_pint(kind, unit, symbol):
     coefficient = REGISTRY.Quantity(f"1 * ({in_pint(unit)}) {POWERS_OF_SECOND[symbol]}")
@@ -75,6 +79,37 @@ def test_a_unit_in_which_nothing_changes_is_left_out():
 def test_an_unknown_unit_has_no_conversion(kind, unit):
     assert field_units(kind, unit, "N") == []
     assert si_unit(kind, unit, "N") is None
+
+
+@pytest.mark.parametrize("spelling", ["sqrt", "(", "deg)", "Hz", "deg/h/h/h", "ppm"])
+def test_what_measures_no_coefficient_is_told(spelling):
+    assert measured_by(spelling) is None
+
+
+def test_no_two_coefficients_have_one_dimension():
+    for kind, units in UNITS.items():
+        for symbol, known in units.items():
+            for name in (known.si, *known.field):
+                assert measured_by(name)[:2] == (kind, symbol), name
+
+
+def test_the_table_of_the_docs_is_that_of_the_code():
+    page = Path(__file__).parents[2].joinpath("docs", "units.md").read_text()
+    rows = re.findall(r"^\| ([QNBKR]) \|(.*)\|$", page, re.MULTILINE)
+    assert [symbol for symbol, _ in rows] == list("QNBKR")
+    for symbol, row in rows:
+        cells = [cell.strip() for cell in row.split("|")]
+        for kind, (si, factors, names) in zip(UNITS, (cells[:3], cells[3:]), strict=True):
+            units = UNITS[kind][symbol]
+            assert si == typeset(units.si)
+            assert names.split("; ") == [typeset(name) for name in units.field]
+            for factor, name in zip(factors.split("; "), units.field, strict=True):
+                expected = REGISTRY.Quantity(
+                    f"1 * {in_pint(units.si)}".replace("sqrt(s)", "s**0.5")
+                )
+                target = f"1 * {in_pint(name)}".replace("sqrt(s)", "s**0.5")
+                ratio = (expected / REGISTRY.Quantity(target)).to_base_units().magnitude
+                assert float(factor) == pytest.approx(ratio, rel=5e-6), (kind, symbol)
 
 
 def test_units_of_a_density():

@@ -38,7 +38,8 @@ def stated_noise(given: StatedNoise, channel: Channel) -> Noise:
         values, factor = given, channel.factor
     else:
         entries = read_coefficients(os.fspath(given))
-        named = [entry for entry in entries if entry.channel == channel.name]
+        # A data sheet speaks of kinds of sensors.
+        named = [entry for entry in entries if entry.channel in (channel.name, channel.kind)]
         if not named and len(entries) > 1:
             raise ValueError(
                 f"{os.fspath(given)} has no channel {channel.name}; it has "

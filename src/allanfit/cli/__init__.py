@@ -21,6 +21,7 @@ except ImportError:  # pragma: no cover - tried in a subprocess without the extr
 
 from ..coefficients import read_coefficients
 from ..compilation import configure_program
+from ..datasheet import read_datasheet
 from ..demo import TRUTH, demonstrate
 from ..export import FORMATS, Options, parse_walk
 from ..export import export as export_fit
@@ -64,6 +65,10 @@ def fit(
             "the coefficients, or leave it alone."
         ),
     ] = "show",
+    datasheet: Annotated[
+        Path | None,
+        typer.Option(help="YAML of a data sheet: say of each line whether the sensor meets it."),
+    ] = None,
     seed: Seed = 0,
 ) -> None:
     """Identify Q, N, B, K and R of each channel, with intervals.
@@ -71,6 +76,7 @@ def fit(
     Example: allanfit fit gyro.csv --rate 100 --unit deg/s --report gyro.html
     """
     refuse_missing_folders(json, report)
+    sheet = None if datasheet is None else read_datasheet(datasheet)
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
         result = fit_recording(
@@ -78,6 +84,7 @@ def fit(
             posterior=posterior,
             sampling=sampling,
             temperature=temperature,
+            datasheet=sheet,
             seed=seed,
             announce=announce,
             done=done,

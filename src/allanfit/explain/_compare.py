@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import f as fisher
 
+from ..coefficient_units import UNITS
 from ..coefficients import read_coefficients
 from ..curves import unit_scale
 from ..identify import Fit, fit_series
@@ -36,7 +37,7 @@ class Reference:
 def references(
     simulation: Path | str | Recording | None, recording: Recording, sampling: Sampling
 ) -> dict[str, Reference]:
-    """What each channel is compared with, by its name; the only one serves all.
+    """What each channel is compared with, by its name or kind; the only one serves all.
 
     **Raises:** `ValueError` when no channel of the simulation goes with one of the recording.
     """
@@ -53,9 +54,15 @@ def references(
             for channel in drawn.channels
         }
     names = [channel.name for channel in recording.channels]
-    if len(found) == 1:
+    if len(found) == 1 and not found.keys() & UNITS.keys():
         return dict.fromkeys(names, next(iter(found.values())))
-    common = {name: found[name] for name in names if name in found}
+    # A data sheet speaks of kinds of sensors.
+    common = {
+        channel.name: found[key]
+        for channel in recording.channels
+        for key in (channel.kind, channel.name)
+        if key in found
+    }
     if not common:
         raise ValueError(
             f"The simulation has channels {', '.join(found)}, the recording has "

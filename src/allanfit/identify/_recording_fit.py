@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..curves import octaves, read_slopes
+from ..datasheet import Datasheet, Judged, Shown, datasheet_document, judge
 from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
 from ..recording import Channel, Recording
 from ..recording._checks import usable
@@ -58,6 +59,25 @@ class ChannelFit:
     temperature: ChannelTemperature | None = None
     remarks: tuple[str, ...] = ()
     """What else is to be said, such as why the effect of temperature is not known."""
+    datasheet: Datasheet | None = None
+
+    @property
+    def judged(self) -> tuple[Judged, ...]:
+        """What the fit says about each line of the data sheet that concerns this channel."""
+        if self.datasheet is None:
+            return ()
+        fit, design = self.fit, self.fit.design
+        shown = Shown(
+            np.asarray(fit.estimate.draws),
+            {symbol: bool(seen) for symbol, seen in fit.resolved.items()},
+            bool(fit.goodness_of_fit >= _MISFIT),
+            1 / float(fit.rate_hz),
+            np.asarray(design.cluster_sizes, float),
+            np.sqrt(np.asarray(fit.estimate.statistics.allan, float)),
+            sum(design.lengths),
+        )
+        lines = self.datasheet.of(self.channel.name, self.channel.kind)
+        return judge(lines, shown if bool(fit.converged) else None)
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -131,6 +151,9 @@ class ChannelFit:
             "temperature": None
             if self.temperature is None
             else temperature_document(self.temperature, channel, *self._both()),
+            "datasheet": None
+            if self.datasheet is None
+            else datasheet_document(self.datasheet, self.judged),
             "findings": list(self.findings),
             "advice": list(self.advice),
         }
@@ -179,6 +202,7 @@ def fit_recording(
     posterior: bool = True,
     sampling: Sampling = "point",
     temperature: Treatment = "show",
+    datasheet: Datasheet | None = None,
     pieces: Literal["all", "misfits"] = "all",
     seed: int = 0,
     announce: Callable[[str], None] = lambda channel: None,
@@ -194,10 +218,15 @@ def fit_recording(
     - `temperature`: what to do with a temperature in the recording. "show" estimates its effect
       and keeps the coefficients of the samples as they are, which is what a filter meets that
       does not compensate; "remove" gives those with the effect taken out; "ignore" does neither.
+    - `datasheet`: from `allanfit.read_datasheet`, to be compared with each channel it is about.
     - `pieces`: which channels are told the influence of their pieces, "all" or the "misfits" that
       the five terms do not fit. It takes several times as long as the fit.
     - `announce`, `done`: called with each channel's name before its fit, and after it.
+
+    **Raises:** `DatasheetError` if the data sheet does not go with the recording.
     """
+    if datasheet is not None:
+        datasheet.check(recording)
     fits = []
     for channel in recording.channels:
         announce(channel.name)
@@ -225,7 +254,7 @@ def fit_recording(
         parts = None
         if pieces == "all" or float(result.goodness_of_fit) < _MISFIT:
             parts = _influence(samples, channel.stretches, result)
-        fits.append(ChannelFit(channel, result, drawn, parts, found, remarks))
+        fits.append(ChannelFit(channel, result, drawn, parts, found, remarks, datasheet))
         done()
     return RecordingFit(recording, tuple(fits))
 

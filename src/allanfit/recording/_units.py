@@ -7,6 +7,7 @@ and rad/s cannot be told from Hz.
 import math
 import re
 from dataclasses import dataclass
+from tokenize import TokenError
 
 import pint
 
@@ -34,6 +35,9 @@ degrees_per_hour = degree / hour = dph
 standard_gravity = 9.80665 * meter / second ** 2 = g = gn
 galileo = 0.01 * meter / second ** 2 = Gal
 hertz = 1 / second = Hz
+root_s = second ** 0.5
+root_h = hour ** 0.5
+root_hz = hertz ** 0.5
 volt = [voltage] = V
 kelvin = [temperature] = K
 celsius = [temperature] = degC = C
@@ -56,7 +60,24 @@ _SPELLINGS = (
 )
 
 # The parser evaluates what it is given, so a tower of powers would never end: one digit is plenty.
-_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]+|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d*^]))+")
+_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]+|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d^]|\*\*))+")
+
+# Roots of the time units in which noise is quoted, in any spelling: √Hz, sqrt(h), rt-hr, root hour.
+_ROOT = re.compile(
+    r"(?:√|sqrt|rt|root)[\s-]*(\()?\s*(hz|hours?|hr|h|seconds?|sec|s)\b\s*(?(1)\))", re.IGNORECASE
+)
+_COMPOUND = re.compile(_PLAUSIBLE.pattern.replace("[*/ ]", "[*/ ()]"))
+
+# The parser fails in many ways on what is no unit; all mean the same here.
+_UNPARSED = (
+    pint.PintError,
+    AttributeError,
+    AssertionError,
+    ValueError,
+    TypeError,
+    SyntaxError,
+    TokenError,
+)
 
 _KNOWN = (
     "rad/s, deg/s, deg/h, dps, mdps or rpm for an angular rate, m/s^2, g, mg or ug for an "
@@ -130,16 +151,35 @@ def parse_unit(name: str) -> Unit:
     return Unit(text, si_unit=text)
 
 
-def _parse(text: str) -> pint.Unit | None:
+def parse_compound(name: str) -> pint.Unit | None:
+    """The unit called `name`, which may hold roots and brackets as in `(deg/h)/√Hz`; else None."""
+    return _parse(_ROOT.sub(_as_name, name.strip()), _COMPOUND)
+
+
+def _as_name(root: re.Match[str]) -> str:
+    unit = root[2].lower()
+    return "root_hz" if unit == "hz" else f"root_{unit[0]}"
+
+
+def ratio(unit: str, other: str) -> float | None:
+    """How many of `other` one `unit` is, None where they measure different things."""
+    numerator, denominator = parse_compound(unit), parse_compound(other)
+    if numerator is None or denominator is None:
+        return None
+    if numerator.dimensionality != denominator.dimensionality:
+        return None
+    return float(_REGISTRY.Quantity(1.0, numerator).to(denominator).magnitude)
+
+
+def _parse(text: str, plausible: re.Pattern[str] = _PLAUSIBLE) -> pint.Unit | None:
     spelled = text
     for pattern, known in _SPELLINGS:
         spelled = pattern.sub(known, spelled)
     # Exactly as written first: `Gal` and `G`, `mV` and `MV` differ in case alone.
     for candidate in (spelled, spelled.lower()):
-        if len(candidate) <= 40 and _PLAUSIBLE.fullmatch(candidate):
+        if len(candidate) <= 40 and plausible.fullmatch(candidate):
             try:
                 return _REGISTRY.parse_units(candidate)
-            # The parser fails in many ways on what is no unit; all mean the same here.
-            except (pint.PintError, AttributeError, AssertionError, ValueError, TypeError):
+            except _UNPARSED:
                 continue
     return None

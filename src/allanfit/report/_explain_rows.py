@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from ..coefficient_units import field_units
 from ._explain_verdict import probability
 from ._explain_words import capitalised, words
 from ._format import Reading, duration, percent, printable, reading, significant
 from ._rows import Row, coefficient_rows
-from ._units import field_units
 
 _LISTED = 6  # times or intervals that are told one by one
 _NO_LARGER_STEP = 2.0  # a change beyond it is told as a factor

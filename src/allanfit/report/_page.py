@@ -4,6 +4,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from ._datasheet_rows import sheet_notes, sheet_rows, sheet_title
 from ._figures import svg
 from ._files import write_whole
 from ._rows import (
@@ -52,6 +53,7 @@ def _page(document: Mapping[str, Any]) -> str:
             "advice": advice_sentence(channel),
             "warning": warning_sentence(channel),
             "findings": channel["findings"],
+            "sheet": _sheet(channel),
             "allan": drawn(svg(channel, "allan", f"allan-{number}-")),
             "psd": drawn(svg(channel, "psd", f"psd-{number}-")),
             "shares": drawn(svg(channel, "shares", f"shares-{number}-"))
@@ -74,3 +76,11 @@ def _page(document: Mapping[str, Any]) -> str:
         checksum=document["checksum"],
         channels=channels,
     )
+
+
+def _sheet(channel: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The verdicts on a data sheet, none without one."""
+    rows = sheet_rows(channel)
+    if not rows:
+        return None
+    return {"title": sheet_title(channel), "rows": rows, "notes": sheet_notes(channel)}

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..coefficient_units import Conversion, field_units, si_unit
 from ._format import (
     Number,
     Reading,
@@ -13,7 +14,6 @@ from ._format import (
     significant,
     upper_limit,
 )
-from ._units import Conversion, field_units, si_unit
 
 _SAMPLING = {"point": "point samples", "averaged": "samples averaged over their interval"}
 

@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ._datasheet_rows import SheetRow, sheet_notes, sheet_rows, sheet_title
 from ._format import Reading, printable
 from ._rows import (
     Row,
@@ -62,8 +63,33 @@ def _channel_lines(channel: Mapping[str, Any]) -> list[str]:
         *textwrap.wrap(description(channel), _WIDTH, initial_indent="  ", subsequent_indent="  "),
         *_table(coefficient_rows(channel)),
         *(line for label, fact in facts.items() if fact for line in _labelled(label, fact)),
+        *_sheet(channel),
         *_bullets(channel["findings"]),
     ]
+
+
+def _sheet(channel: Mapping[str, Any]) -> list[str]:
+    """The verdicts on a data sheet, none without one."""
+    rows = sheet_rows(channel)
+    if not rows:
+        return []
+    width = max(len(row.verdict) for row in rows)
+    return [
+        *_labelled("sheet", sheet_title(channel)),
+        *(line for row in rows for line in _sheet_lines(row, width)),
+        *(line for note in sheet_notes(channel) for line in _labelled("", note)),
+    ]
+
+
+def _sheet_lines(row: SheetRow, width: int) -> list[str]:
+    fact = f"{row.words} {row.stated}; measured {row.measured}; met with probability {row.chance}"
+    indent = " " * 11
+    return textwrap.wrap(
+        fact,
+        _WIDTH,
+        initial_indent=f"{indent}{row.verdict:<{width}}  ",
+        subsequent_indent=indent + " " * (width + 2),
+    )
 
 
 def _told(channel: Mapping[str, Any]) -> bool:

@@ -1,0 +1,163 @@
+"""Data sheets as YAML: a section a kind of sensor or channel, a line a number."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from ..coefficient_units import UNITS
+from ..mapping_file import read_mapping
+from ..recording import Channel, Recording
+from ._phrase import DatasheetError, parse_phrase, units_of
+from ._words import SENSES, Bound, Line, Sense, meanings_of
+
+_HINT = "sections such as `gyro: {angle random walk: 0.15 deg/sqrt(h)}`"
+_ABOUT = ("sensor", "source")
+_BOUNDS: tuple[Bound, ...] = get_args(Bound)
+
+
+@dataclass(frozen=True)
+class Datasheet:
+    """What a maker states of a sensor."""
+
+    file: str
+    sensor: str
+    """Its name, or none."""
+    source: str
+    """Where the numbers come from, or nothing."""
+    lines: tuple[Line, ...]
+
+    def of(self, name: str, kind: str) -> tuple[Line, ...]:
+        """The lines about a channel: those under its name, or else those about its kind."""
+        named = tuple(line for line in self.lines if line.section == name)
+        return named or tuple(line for line in self.lines if line.section == kind)
+
+    def check(self, recording: Recording) -> None:
+        """Find out before a fit whether the data sheet goes with the recording.
+
+        **Raises** `DatasheetError` if it names a channel that the recording lacks, in units of
+        another kind than the channel's, or says nothing about any channel.
+        """
+        channels = {channel.name: channel for channel in recording.channels}
+        for line in self.lines:
+            if line.section not in (*channels, *UNITS):
+                raise DatasheetError(
+                    f"{self.file} is about {line.section!r}, which {recording.name} has not; it "
+                    f"has {', '.join(channels)}, and a section may be gyro or accelerometer."
+                )
+            self._check_kind(line, channels.get(line.section))
+        if not any(self.of(each.name, each.kind) for each in recording.channels):
+            raise DatasheetError(
+                f"{self.file} says nothing about {', '.join(channels)} of {recording.name}: give "
+                "the unit of the recording with --unit, or name a section like the channel."
+            )
+
+    def _check_kind(self, line: Line, channel: Channel | None) -> None:
+        if channel is not None and channel.kind != line.kind:
+            raise DatasheetError(
+                f"In {self.file}, {line.words} of {line.section} is in {line.unit}, which is not "
+                f"of a channel in {channel.unit or 'no unit'}; give the channel's unit with --unit."
+            )
+
+
+def read_datasheet(path: str | Path) -> Datasheet:
+    """The data sheet in a YAML file.
+
+        sensor: ADIS16405
+        source: data sheet
+        gyro:
+          noise density: 0.05 °/s/√Hz
+          in-run bias stability: {typical: 0.007 °/s}
+        accelerometer:
+          velocity random walk: {max: 0.2 m/s/√hr}
+
+    A section is `gyro`, `accelerometer` or a channel's name. A line is a number with its unit,
+    typical unless it says `max`; `as` overrides how the words are read, as in
+    `{typical: 4 mdps/√Hz, as: coefficient}`.
+
+    **Raises** `DatasheetError` if the file is missing or something in it is not understood.
+    """
+    path = Path(path)
+    return datasheet_from(read_mapping(path, "data sheet", _HINT, DatasheetError), path.name)
+
+
+def is_datasheet(document: Mapping[str, Any]) -> bool:
+    """Whether a file of coefficients is a data sheet: it has sections."""
+    return any(isinstance(value, Mapping) for value in document.values())
+
+
+def datasheet_from(document: Mapping[str, Any], file: str) -> Datasheet:
+    """The data sheet of a mapping; `file` is for messages.
+
+    **Raises** `DatasheetError` if something in it is not understood.
+    """
+    lines: list[Line] = []
+    for section, content in document.items():
+        if section in _ABOUT:
+            continue
+        if not isinstance(content, Mapping) or not content:
+            raise DatasheetError(f"{section!r} in {file} has no lines; give {_HINT}.")
+        for words, stated in content.items():
+            lines += _lines(str(section), str(words), stated, file)
+        kinds = {line.kind: line.unit for line in lines if line.section == str(section)}
+        if len(kinds) > 1:
+            raise DatasheetError(
+                f"{section!r} in {file} mixes {' and '.join(kinds.values())}; give a gyro and an "
+                "accelerometer a section each."
+            )
+    if not lines:
+        raise DatasheetError(f"{file} holds no data sheet; give {_HINT}.")
+    sensor, source = (str(document.get(key) or "") for key in _ABOUT)
+    return Datasheet(file, sensor, source, tuple(lines))
+
+
+def _lines(section: str, words: str, stated: Any, file: str) -> Iterator[Line]:
+    place = f"In {file}, {words} of {section}"
+    sense = SENSES.get(" ".join(words.lower().replace("in run", "in-run").split()))
+    if sense is None:
+        known = ", ".join(word for word in SENSES if len(word) > 3)
+        raise DatasheetError(f"{place} is not understood; write a symbol or one of {known}.")
+    given = dict(stated) if isinstance(stated, Mapping) else {"typical": stated}
+    sense = _overridden(sense, given.pop("as", sense.meaning), place)
+    unknown = sorted(str(key) for key in set(given) - set(_BOUNDS))
+    if unknown or not given:
+        raise DatasheetError(
+            f"{place} has {unknown[0] if unknown else 'no number'}; give typical or max, and as."
+        )
+    for bound in _BOUNDS:
+        if bound in given:
+            yield _line(section, words, sense, bound, given[bound], place)
+
+
+def _overridden(sense: Sense, meaning: Any, place: str) -> Sense:
+    for known in meanings_of(sense.symbol):
+        if meaning == known:
+            return Sense(sense.symbol, known)
+    raise DatasheetError(
+        f"{place} cannot be read as {meaning!r}; as is {' or '.join(meanings_of(sense.symbol))}."
+    )
+
+
+def _line(section: str, words: str, sense: Sense, bound: Bound, phrase: Any, place: str) -> Line:
+    try:
+        quantity = parse_phrase(phrase)
+    except DatasheetError as error:
+        raise DatasheetError(f"{place}: {error}.") from error
+    measured = quantity.measured
+    kind = section if section in UNITS else measured.kind
+    if (measured.kind, measured.symbol) != (kind, sense.symbol):
+        raise DatasheetError(
+            f"{place} cannot be in {quantity.unit}; give it in {units_of(kind, sense.symbol)} or "
+            "the like."
+        )
+    return Line(
+        section,
+        words,
+        sense.symbol,
+        sense.meaning,
+        kind,
+        bound,
+        quantity.number,
+        quantity.unit,
+        measured.factor,
+    )
