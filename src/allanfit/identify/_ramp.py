@@ -28,7 +28,7 @@ def ramp_data(odd_modes: Float[Array, "stretches modes"], design: Design) -> Ram
 
     Stretches in which a ramp has no modes may follow.
     """
-    stretches, modes = odd_modes.shape
+    stretches = len(odd_modes)
     empty = -stretches % _STRETCHES_AT_A_TIME if stretches > 1 else 0
     rows = ((0, empty), (0, 0))
     variance = jnp.pad(design.ramp_variance, (*rows, (0, 0)), constant_values=1)
