@@ -1,12 +1,11 @@
 """Parquet: a table with a unit in the metadata of a column, or in brackets behind its name."""
 
-import json
 from pathlib import Path
 
 from ..extras import needs
 from ._csv import BRACKETED
 from ._damage import careful, refuse_larger_than_memory
-from ._names import is_rate
+from ._names import is_rate, units_by_channel
 from ._recording import RecordingError, Table
 from ._timestamps import is_time
 
@@ -44,10 +43,11 @@ def read_parquet(path: Path) -> Table:
             unit = next((each.decode() for each in stated if each), bracketed and bracketed[2])
             if unit:
                 units[name] = unit.strip()
-        metadata = {key.decode(): text for key, text in (schema.metadata or {}).items()}
-        own = {
-            str(name): str(unit) for name, unit in json.loads(metadata.get("units", "{}")).items()
+        metadata = {
+            key.decode(): text.decode(errors="replace")
+            for key, text in (schema.metadata or {}).items()
         }
+        own = units_by_channel(path.name, metadata.get("units"))
         rates = [float(text) for key, text in metadata.items() if is_rate(key)]
     if not columns:
         raise RecordingError(f"{path.name} holds no column of numbers.")

@@ -4,7 +4,6 @@ A topic is a group, and stands for all that is in it or below, or a single array
 stamps hold for the group they are in and for the groups below.
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ._csv import BRACKETED
-from ._names import is_rate, is_unit
+from ._names import is_rate, is_unit, units_by_channel
 from ._recording import RecordingError, Table
 from ._temperature import is_temperature
 from ._timestamps import SHORTEST_STRETCH, is_time
@@ -77,7 +76,7 @@ def tree_table(path: Path, tree: Tree, topic: str | None) -> Table:
     leaves, findings = tree.leaves, tree.findings
     asked = tuple(part for part in (topic or "").split("/") if part)
     inside = [leaf for leaf in leaves if leaf.place[: len(asked)] == asked]
-    if not inside:
+    if asked and not inside:
         raise RecordingError(f"{path.name} has no topic {topic}; it has {_told(_parts(leaves))}.")
     above = [leaf for leaf in leaves if leaf.group == asked[: len(leaf.group)]]
     for leaf in inside:
@@ -96,7 +95,7 @@ def tree_table(path: Path, tree: Tree, topic: str | None) -> Table:
     clock = next((leaf for leaf in clocks if leaf.length == length), None)
     columns = {clock.name: clock.array} if clock else {}
     units = {clock.name: _unit(clock)} if clock else {}
-    stated = _stated_units(leaves)
+    stated = _stated_units(path, leaves)
     top = _common([leaf.group for leaf in series])
     for leaf in series:
         name = "_".join((*leaf.group[len(top) :], leaf.name))
@@ -194,7 +193,7 @@ def _unit(leaf: Leaf) -> str:
     return (leaf.unit or (bracketed[2] if bracketed else "")).strip()
 
 
-def _stated_units(leaves: Sequence[Leaf]) -> dict[str, str]:
+def _stated_units(path: Path, leaves: Sequence[Leaf]) -> dict[str, str]:
     """Units by channel from texts: a group `units` with one each, or an array `units` in JSON."""
     stated = {}
     for leaf in leaves:
@@ -203,7 +202,7 @@ def _stated_units(leaves: Sequence[Leaf]) -> dict[str, str]:
         if leaf.group and is_unit(leaf.group[-1]):
             stated[leaf.name] = leaf.values
         elif is_unit(leaf.name) and leaf.values.lstrip().startswith("{"):
-            stated |= {str(name): str(unit) for name, unit in json.loads(leaf.values).items()}
+            stated |= units_by_channel(path.name, leaf.values)
     return stated
 
 

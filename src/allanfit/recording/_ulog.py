@@ -123,8 +123,10 @@ def _opened(path: Path) -> Iterator[Any]:
     with needs("allanfit[io]", "logs of PX4", RecordingError):
         from pyulog import ULog
     with careful(path, "an ULog file"):
-        _refuse_vast_types(ULog(str(path), parse_header_only=True).message_formats)
-        yield ULog(str(path), list(_KINDS))
+        with path.open("rb") as file:
+            _refuse_vast_types(ULog(file, parse_header_only=True).message_formats)
+        with path.open("rb") as file:
+            yield ULog(file, list(_KINDS))
 
 
 def _refuse_vast_types(formats: dict[str, Any]) -> None:
