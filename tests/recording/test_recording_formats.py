@@ -1,4 +1,4 @@
-"""What holds for every format: the same samples, a list of contents, and extras that are missing."""
+"""What holds for every format: equal samples, lists of contents, extras that are missing."""
 
 import json
 import sys
@@ -24,8 +24,7 @@ def written(folder, columns, units, rate_hz):
     bracketed = {f"{name} [{units[name]}]": values for name, values in columns.items()}
     time = np.arange(len(next(iter(columns.values())))) / rate_hz
     pl.DataFrame({"time_s": time} | bracketed).write_parquet(folder / "a.parquet")
-    fields = {name: values for name, values in columns.items()}
-    scipy.io.savemat(folder / "a.mat", {"imu": fields, "units": units, "fs": rate_hz})
+    scipy.io.savemat(folder / "a.mat", {"imu": columns, "units": units, "fs": rate_hz})
     with h5py.File(folder / "a.h5", "w") as file:
         file.attrs["rate_hz"] = rate_hz
         for name, values in columns.items():
