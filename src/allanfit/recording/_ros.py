@@ -11,6 +11,7 @@ from jaxtyping import Float64, Int64
 from ..extras import needs
 from ._damage import careful
 from ._recording import RecordingError, Table
+from ._ros1 import ros1_counts, ros1_messages, ros1_reader
 from ._ros_messages import LAYOUTS, Layout, decode
 from ._topics import Topic, choose_topic
 from ._wording import count
@@ -18,7 +19,8 @@ from ._wording import count
 Progress = Callable[[int, int], None]
 """To be called now and then with how many messages are read, and of how many."""
 
-_BLOCK = 65_536
+# Messages of two minutes or so: enough to be quick, few enough to hold.
+_BLOCK = 32_768
 _BAG = b"rosbag2_bagfile_information"
 _TYPES = "sensor_msgs/Imu"
 # Messages are late by less than this; further back, a clock was set.
@@ -39,7 +41,7 @@ def is_ros2_bag(path: Path) -> bool:
 def ros_topics(path: Path) -> tuple[Topic, ...]:
     """The topics of a recording of ROS, whatever their type."""
     with _opened(path) as reader:
-        return _topics(reader)
+        return _topics(path, reader)
 
 
 def read_ros(path: Path, topic: str | None = None, progress: Progress | None = None) -> Table:
@@ -49,7 +51,7 @@ def read_ros(path: Path, topic: str | None = None, progress: Progress | None = N
     meant.
     """
     with _opened(path) as reader:
-        topics = _topics(reader)
+        topics = _topics(path, reader)
         chosen = choose_topic(path.name, topics, topic, _TYPES)
         columns, units, findings = _read(path, reader, chosen, progress)
         for kind in LAYOUTS:
@@ -71,9 +73,9 @@ def read_ros(path: Path, topic: str | None = None, progress: Progress | None = N
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     with needs("allanfit[io]", "recordings of ROS", RecordingError):
-        from rosbags import rosbag1, rosbag2
-    package = rosbag1 if _is_ros1(path) else rosbag2
-    with careful(path, "a recording of ROS"), package.Reader(path) as reader:
+        from rosbags import rosbag2
+    open_bag = ros1_reader if _is_ros1(path) else rosbag2.Reader
+    with careful(path, "a recording of ROS"), open_bag(path) as reader:
         yield reader
 
 
@@ -81,11 +83,13 @@ def _is_ros1(path: Path) -> bool:
     return path.suffix.lower() == ".bag" and not path.is_dir()
 
 
-def _topics(reader: Any) -> tuple[Topic, ...]:
+def _topics(path: Path, reader: Any) -> tuple[Topic, ...]:
     seconds = reader.duration * 1e-9
+    counts = ros1_counts(reader) if _is_ros1(path) else None
     found = {}
     for connection in reader.connections:
-        name, kind, messages = connection.topic, connection.msgtype, connection.msgcount
+        name, kind = connection.topic, connection.msgtype
+        messages = connection.msgcount if counts is None else counts[connection.id]
         known, before = found.get(name, (kind, 0))
         found[name] = (kind if kind == known else f"{known} and {kind}", before + messages)
     return tuple(
@@ -137,22 +141,34 @@ def _decoded(
     Float64[np.ndarray, "messages columns"],
 ]:
     """Times of receipt and stamps in ns, and the columns, in the order of receipt."""
-    connections = [each for each in reader.connections if each.topic == topic.name]
-    received, decoded, block = [], [], []
-    for _, time, message in reader.messages(connections):
-        received.append(time)
+    decoded, times, block = [], [], []
+
+    def finish_block() -> None:
+        if block:
+            decoded.append((np.array(times, np.int64), *decode(block, layout, ros1)))
+            times.clear()
+            block.clear()
+
+    for read, (time, message) in enumerate(_messages(reader, topic, ros1), start=1):
+        times.append(time)
         block.append(message)
-        if len(block) == _BLOCK:
-            decoded.append(decode(block, layout, ros1))
-            block = []
+        if read % _BLOCK == 0:
+            finish_block()
             if progress is not None:
-                progress(len(received), topic.samples)
-    if block:
-        decoded.append(decode(block, layout, ros1))
+                progress(read, topic.samples)
+    finish_block()
     if not decoded:
         raise RecordingError("no message is there, though the index counts some")
-    stamps, values = zip(*decoded, strict=True)
-    return np.array(received, np.int64), np.concatenate(stamps), np.concatenate(values)
+    received, stamps, values = map(np.concatenate, zip(*decoded, strict=True))
+    return received, stamps, values
+
+
+def _messages(reader: Any, topic: Topic, ros1: bool) -> Iterator[tuple[int, bytes]]:
+    connections = [each for each in reader.connections if each.topic == topic.name]
+    if ros1:
+        yield from ros1_messages(reader, {each.id for each in connections})
+    else:
+        yield from ((time, message) for _, time, message in reader.messages(connections))
 
 
 def _held(
