@@ -12,8 +12,9 @@ def contents_text(topics: Sequence[Topic]) -> str:
 
 def _paragraph(topic: Topic) -> str:
     rate = "rate unknown" if topic.rate_hz is None else f"{topic.rate_hz:.6g} Hz"
-    amount = f"{topic.samples} {'messages' if topic.kind else 'samples'}, {rate}"
-    head = ", ".join(part for part in (topic.name, topic.kind, amount) if part)
+    noun = "message" if topic.kind else "sample"
+    amount = f"{topic.samples} {noun}{'s' * (topic.samples != 1)}"
+    head = ", ".join(part for part in (topic.name, topic.kind, amount, rate) if part)
     width = max(map(len, topic.units), default=0)
     channels = [f"  {name:<{width}}  {unit or '-'}" for name, unit in topic.units.items()]
     return "\n".join((head, *(channels or ["  not of a type that is read"])))

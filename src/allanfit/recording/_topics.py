@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from ._recording import RecordingError, Table
 from ._timestamps import is_time, read_clock
+from ._wording import count
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def choose_topic(file: str, topics: Sequence[Topic], asked: str | None, types: s
         raise RecordingError(f"{file} has no topic {asked}; it has {_told(topics) or 'none'}.")
     if not found[0].units:
         raise RecordingError(
-            f"{file}: the topic {asked} holds {found[0].kind}, and {types} can be read."
+            f"{file}: the topic {asked} holds {found[0].kind}, which is not read; {types} is."
         )
     if not found[0].samples:
         raise RecordingError(f"{file}: the topic {asked} has no messages.")
@@ -72,4 +73,6 @@ def choose_topic(file: str, topics: Sequence[Topic], asked: str | None, types: s
 
 
 def _told(topics: Sequence[Topic]) -> str:
-    return ", ".join(f"{topic.name} ({topic.kind}, {topic.samples} messages)" for topic in topics)
+    return ", ".join(
+        f"{topic.name} ({topic.kind}, {count(topic.samples, 'message')})" for topic in topics
+    )
