@@ -48,3 +48,10 @@ def test_several_topics_need_a_choice(command, two, capsys):
 def test_list_of_nothing(tmp_path, capsys):
     assert main(["fit", str(tmp_path / "none.mcap"), "--list"]) == 1
     assert "There is no file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("test", [["up-down", 2], ["multi-position", 1]])
+def test_calibrate_reads_the_topic_asked_for(test, two, capsys):
+    command, files = test
+    assert main(["calibrate", command, *[str(two)] * files, "--topic", "imu2"]) == 1
+    assert "no topic imu2" in capsys.readouterr().err
