@@ -5,6 +5,7 @@ import pytest
 from allanfit.fleet import FleetError
 from allanfit.fleet._devices import labels, places
 from allanfit.fleet._files import find_recordings
+from allanfit.fleet._task import _checksum
 
 
 @pytest.fixture
@@ -67,3 +68,25 @@ def test_labels_are_short_and_never_the_same():
         ("/a/x.csv", "x"): "/a/x.csv",
         ("/a/y.csv", "y"): "y",
     }
+
+
+def test_a_ros_2_bag_is_one_recording(tmp_path):
+    bag = tmp_path / "still"
+    bag.mkdir()
+    (bag / "still_0.mcap").touch()
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information:\n  version: 9\n")
+    (tmp_path / "other.parquet").touch()
+    names = [path.name for path in find_recordings([tmp_path], tmp_path / "out")]
+    assert names == ["other.parquet", "still"]
+    assert find_recordings([bag], tmp_path / "out") == (bag,)
+    assert find_recordings([f"{tmp_path}/**/*"], tmp_path / "out") == (
+        tmp_path / "other.parquet",
+        bag,
+    )
+
+
+def test_the_checksum_of_a_bag_is_of_its_files(tmp_path):
+    (tmp_path / "a.mcap").write_bytes(b"one")
+    first = _checksum(tmp_path)
+    (tmp_path / "a.mcap").write_bytes(b"two")
+    assert _checksum(tmp_path) != first

@@ -102,7 +102,7 @@ def test_the_rate_given_comes_first(archive, noise):
     assert load(archive(gyro_x=noise[:, 0]), rate_hz=250.0).rate_hz == 250.0
 
 
-@pytest.mark.parametrize("name", ["recording.parquet", "recording", "recording.npz.gz", "a.jpg"])
+@pytest.mark.parametrize("name", ["recording.xlsx", "recording", "recording.npz.gz", "a.jpg"])
 def test_unknown_endings(name, write):
     with pytest.raises(RecordingError, match=r"is not known; a recording is a \.csv, \.csv\.gz"):
         load(write(name, "1\n2\n"))

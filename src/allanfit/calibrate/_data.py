@@ -13,7 +13,11 @@ Data = Recording | np.ndarray | str | os.PathLike[str]
 
 
 def as_recording(
-    data: Data, rate_hz: float | None, channels: Sequence[str] | None, unit: str | None
+    data: Data,
+    rate_hz: float | None,
+    channels: Sequence[str] | None,
+    unit: str | None,
+    topic: str | None,
 ) -> Recording:
     """The recording, checked; arrays are in `unit`, m/s^2 if there is none.
 
@@ -24,7 +28,7 @@ def as_recording(
         return data
     if isinstance(data, np.ndarray):
         return _from_array(data, rate_hz, unit)
-    return load(data, rate_hz=rate_hz, channels=channels, unit=unit)
+    return load(data, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic)
 
 
 def _from_array(data: np.ndarray, rate_hz: float | None, unit: str | None) -> Recording:

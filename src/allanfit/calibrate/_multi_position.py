@@ -58,6 +58,7 @@ def multi_position(
     orthogonal: bool = False,
     rate_hz: float | None = None,
     channels: Sequence[str] | None = None,
+    topic: str | None = None,
 ) -> Calibration:
     """Bias, scale factor and misalignment of a triad at rest in six or more positions.
 
@@ -81,7 +82,7 @@ def multi_position(
       and perhaps ref_x, ref_y, ref_z; or a recording, by its time stamps, its `rate_hz`, or as a
       `Recording`, which is cut into the stretches in which the sensor was at rest.
     - `gravity`: where the test was made [m/s^2]; the standard one if not given.
-    - `unit`, `channels`: as in `allanfit.load`; without any unit, m/s^2.
+    - `unit`, `channels`, `topic`: as in `allanfit.load`; without any unit, m/s^2.
     - `sigma`: standard deviation of a mean, in the unit of the readings, if it is known.
     - `reference`: the specific force along the axes of the body, of any length, shape
       (positions, 3).
@@ -98,6 +99,7 @@ def multi_position(
         unit=unit,
         rate_hz=rate_hz,
         channels=channels,
+        topic=topic,
         reference=reference,
         gravity=local,
     )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from ..recording import Recording, load
+from ..recording import Recording, is_recording, load
 from ..recording._csv import read_csv
 from ..recording._timestamps import is_time
 from ..recording._units import Unit, parse_unit
@@ -47,6 +47,7 @@ def read_positions(
     unit: str | None,
     rate_hz: float | None,
     channels: Sequence[str] | None,
+    topic: str | None,
     reference: np.ndarray | None,
     gravity: float,
 ) -> Positions:
@@ -61,13 +62,14 @@ def read_positions(
         own = _unit({}, ("x", "y", "z"), unit)
         return _table("data", ("x", "y", "z"), data, own, reference, ())
     path = Path(data)
-    if path.is_dir():
+    if path.is_dir() and not is_recording(path):
         raise ValueError(f"{path} is a folder: give a CSV file.")
     if not path.exists():
         raise ValueError(f"There is no file {path}.")
     table = read_csv(path) if path.name.lower().endswith(_TEXT) else None
     if rate_hz is not None or table is None or any(is_time(name) for name in table.columns):
-        return _cut(load(path, rate_hz=rate_hz, channels=channels, unit=unit), gravity)
+        found = load(path, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic)
+        return _cut(found, gravity)
     columns = table.columns
     if channels:
         kept = {*channels, *(name for name in columns if _REFERENCE.fullmatch(name))}

@@ -43,6 +43,7 @@ def up_down(
     rate_hz: float | None = None,
     channels: Sequence[str] | None = None,
     unit: str | None = None,
+    topic: str | None = None,
     noise: StatedNoise | None = None,
     gap_s: float = 0.0,
     sampling: Sampling = "point",
@@ -74,7 +75,7 @@ def up_down(
     - `up`, `down`: files, `Recording`s or arrays of shape (samples,) or (samples, 3) with
       `rate_hz`. Axes that lay level in both are left out. Up is where the axis reads +g.
     - `gravity`: where the test was made [m/s^2]; the standard one if not given.
-    - `rate_hz`, `channels`, `unit`: as in `allanfit.load`; without any unit, m/s^2.
+    - `rate_hz`, `channels`, `unit`, `topic`: as in `allanfit.load`; without any unit, m/s^2.
     - `noise`: coefficients by symbol in the unit of the channels, or a file of them.
     - `gap_s`: time between the end of `up` and the start of `down` [s].
     - `sampling`, `seed`: as in `allanfit.fit`.
@@ -85,7 +86,9 @@ def up_down(
     if not gap_s >= 0:
         raise ValueError(f"gap_s must be zero or more seconds; got {gap_s}.")
     local, findings = checked_gravity(gravity)
-    first, second = (_in_metres(as_recording(data, rate_hz, channels, unit)) for data in (up, down))
+    first, second = (
+        _in_metres(as_recording(data, rate_hz, channels, unit, topic)) for data in (up, down)
+    )
     _refuse_unlike(first, second)
     findings += _about_recordings(first, second)
     pairs, left_out = _turned_over(first, second, local, asked=bool(channels))

@@ -15,7 +15,7 @@ import numpy as np
 try:
     import typer
 
-    from ._progress import channel_by_channel, progress_bar
+    from ._progress import channel_by_channel, load_with_progress, progress_bar
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
@@ -27,13 +27,24 @@ from ..export import FORMATS, Options, parse_walk
 from ..export import export as export_fit
 from ..identify import RecordingFit, fit_recording
 from ..plan import parse_want, plan_file, plan_text
-from ..recording import load, save
+from ..recording import contents, save
 from ..report import format_text, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
+from ._contents import contents_text
 from ._explain import explain
 from ._fleet import fleet
-from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
+from ._options import (
+    RECORDING,
+    Channels,
+    Json,
+    Rate,
+    Sampling,
+    Seed,
+    Topic,
+    Unit,
+    refuse_missing_folders,
+)
 
 app = typer.Typer(
     name="allanfit",
@@ -48,8 +59,9 @@ app.add_typer(calibrate_app, name="calibrate")
 
 @app.command()
 def fit(
-    recording: Annotated[Path, typer.Argument(help="CSV, NPY or NPZ file of a still sensor.")],
+    recording: Annotated[Path, typer.Argument(help=RECORDING)],
     rate: Rate = None,
+    topic: Topic = None,
     channel: Channels = None,
     unit: Unit = None,
     json: Json = None,
@@ -70,14 +82,20 @@ def fit(
         typer.Option(help="YAML of a data sheet: say of each line whether the sensor meets it."),
     ] = None,
     seed: Seed = 0,
+    list_contents: Annotated[
+        bool, typer.Option("--list", help="Only say what is in the recording, and end.")
+    ] = False,
 ) -> None:
     """Identify Q, N, B, K and R of each channel, with intervals.
 
     Example: allanfit fit gyro.csv --rate 100 --unit deg/s --report gyro.html
     """
+    if list_contents:
+        typer.echo(contents_text(contents(recording)))
+        return
     refuse_missing_folders(json, report)
     sheet = None if datasheet is None else read_datasheet(datasheet)
-    found = load(recording, rate_hz=rate, channels=channel, unit=unit)
+    found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
         result = fit_recording(
             found,

@@ -14,7 +14,17 @@ from ..calibrate import (
     write_calibration_page,
 )
 from ..report import write_json
-from ._options import Channels, Json, Page, Rate, Sampling, Seed, Unit, refuse_missing_folders
+from ._options import (
+    Channels,
+    Json,
+    Page,
+    Rate,
+    Sampling,
+    Seed,
+    Topic,
+    Unit,
+    refuse_missing_folders,
+)
 
 calibrate_app = typer.Typer(
     help="Bias, scale factor and misalignment, with intervals.", no_args_is_help=True
@@ -31,6 +41,7 @@ def calibrate_up_down(
     down: Annotated[Path, typer.Argument(help="The same with the axis down.")],
     gravity: Gravity = None,
     rate: Rate = None,
+    topic: Topic = None,
     channel: Channels = None,
     unit: Unit = None,
     noise: Annotated[
@@ -54,6 +65,7 @@ def calibrate_up_down(
         rate_hz=rate,
         channels=channel,
         unit=unit,
+        topic=topic,
         noise=noise,
         gap_s=gap,
         sampling=sampling,
@@ -99,6 +111,7 @@ def calibrate_multi_position(
         bool, typer.Option("--orthogonal", help="Take the axes as orthogonal.")
     ] = False,
     rate: Rate = None,
+    topic: Topic = None,
     channel: Channels = None,
     json: Json = None,
     report: Page = None,
@@ -116,6 +129,7 @@ def calibrate_multi_position(
         orthogonal=orthogonal,
         rate_hz=rate,
         channels=channel,
+        topic=topic,
     )
     _deliver(found, json, report)
 

@@ -6,14 +6,24 @@ from typing import Annotated, Any
 
 import typer
 
-from ..recording import load
 from ..report import format_explanation, write_explanation, write_json
-from ._options import Channels, Json, Page, Rate, Sampling, Seed, Unit, refuse_missing_folders
-from ._progress import channel_by_channel
+from ._options import (
+    RECORDING,
+    Channels,
+    Json,
+    Page,
+    Rate,
+    Sampling,
+    Seed,
+    Topic,
+    Unit,
+    refuse_missing_folders,
+)
+from ._progress import channel_by_channel, load_with_progress
 
 
 def explain(
-    recording: Annotated[Path, typer.Argument(help="CSV, NPY or NPZ file of a still sensor.")],
+    recording: Annotated[Path, typer.Argument(help=RECORDING)],
     simulation: Annotated[
         Path | None,
         typer.Option(
@@ -22,6 +32,7 @@ def explain(
         ),
     ] = None,
     rate: Rate = None,
+    topic: Topic = None,
     channel: Channels = None,
     unit: Unit = None,
     json: Json = None,
@@ -40,9 +51,9 @@ def explain(
     from ..explain import explain_recording
 
     refuse_missing_folders(json, report)
-    if simulation is not None and not simulation.is_file():
+    if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
-    found = load(recording, rate_hz=rate, channels=channel, unit=unit)
+    found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("explaining", len(found.channels)) as (announce, done):
         result = explain_recording(
             found,

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from ._options import Channels, Rate, Sampling, Seed, Unit
+from ._options import Channels, Rate, Sampling, Seed, Topic, Unit
 from ._progress import progress_bar
 
 
@@ -24,6 +24,7 @@ def fleet(
         int | None, typer.Option(help="Processes on this machine; one a core by default.", min=1)
     ] = None,
     rate: Rate = None,
+    topic: Topic = None,
     channel: Channels = None,
     unit: Unit = None,
     sampling: Sampling = "point",
@@ -42,7 +43,9 @@ def fleet(
     # The stage loads much that the other commands do without.
     from ..fleet import FleetError, Options, compare, format_summary, run_fleet, write_summary
 
-    options = Options(rate, unit, tuple(channel) if channel else None, sampling, temperature, seed)
+    options = Options(
+        rate, unit, topic, tuple(channel) if channel else None, sampling, temperature, seed
+    )
     with progress_bar() as progress:
         bar = progress.add_task("fitting", total=None)
         run = run_fleet(

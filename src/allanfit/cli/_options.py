@@ -5,11 +5,17 @@ from typing import Annotated, Literal
 
 import typer
 
+RECORDING = "CSV, NPY, NPZ, Parquet, MAT, HDF5, ROS bag, MCAP or ULog file of a still sensor."
+
 Channels = Annotated[
     list[str] | None, typer.Option("--channel", help="A channel to use; repeat for more.")
 ]
 Rate = Annotated[
     float | None, typer.Option("--rate", help="Samples per second, if the file does not say.")
+]
+Topic = Annotated[
+    str | None,
+    typer.Option("--topic", help="The part to read of a bag, a log, HDF5 or MAT with several."),
 ]
 Unit = Annotated[
     str | None, typer.Option(help="Unit of the channels, such as deg/s, rad/s, g or m/s^2.")

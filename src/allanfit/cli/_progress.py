@@ -2,9 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from ..recording import Recording, load
 
 
 def progress_bar() -> Progress:
@@ -19,6 +22,26 @@ def progress_bar() -> Progress:
         transient=True,
         disable=not console.is_terminal,
     )
+
+
+def load_with_progress(
+    path: Path,
+    rate_hz: float | None,
+    channels: list[str] | None,
+    unit: str | None,
+    topic: str | None,
+) -> Recording:
+    """`load`, with a bar for the formats whose messages are read one by one."""
+    with progress_bar() as progress:
+        task = progress.add_task(f"reading {path.name}", total=None)
+        return load(
+            path,
+            rate_hz=rate_hz,
+            channels=channels,
+            unit=unit,
+            topic=topic,
+            progress=lambda read, total: progress.update(task, completed=read, total=total),
+        )
 
 
 @contextmanager

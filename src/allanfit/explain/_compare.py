@@ -13,12 +13,11 @@ from ..coefficients import read_coefficients
 from ..curves import unit_scale
 from ..identify import Fit, fit_series
 from ..physics import SYMBOLS, Sampling
-from ..recording import Recording, RecordingError, load
+from ..recording import Recording, RecordingError, is_recording, load
 
 _SIGNIFICANT = 0.005
 # Compared in bands of about an octave.
 _BINS_A_BAND = 5
-_RECORDINGS = (".csv", ".gz", ".txt", ".npy", ".npz")
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def references(
     """
     if simulation is None:
         return {}
-    if isinstance(simulation, (str, Path)) and not str(simulation).endswith(_RECORDINGS):
+    if isinstance(simulation, (str, Path)) and not is_recording(Path(simulation)):
         found = {
             entry.channel: Reference(_of_entry(entry)) for entry in read_coefficients(simulation)
         }

@@ -31,7 +31,7 @@ def find_recordings(given: Sequence[str | os.PathLike[str]], apart_from: Path) -
 
 
 def _expanded(given: Path, apart_from: Path) -> list[Path]:
-    if given.is_dir():
+    if given.is_dir() and not is_recording(given):
         inside = sorted(path for path in given.iterdir() if _wanted(path, apart_from))
         if not inside:
             raise FleetError(
@@ -51,4 +51,6 @@ def _expanded(given: Path, apart_from: Path) -> list[Path]:
 def _wanted(path: Path, apart_from: Path) -> bool:
     hidden = path.name.startswith(".")
     ours = apart_from in path.resolve().parents
-    return is_recording(path) and path.is_file() and not hidden and not ours
+    # The files in the folder of a ROS 2 bag are one recording, the folder.
+    part = is_recording(path.parent)
+    return is_recording(path) and path.exists() and not hidden and not ours and not part

@@ -14,6 +14,8 @@ class Options:
     rate_hz: float | None = None
     """Samples per second, for recordings that do not say; it overrides those that do."""
     unit: str | None = None
+    topic: str | None = None
+    """Which part to analyse of recordings that hold several."""
     channels: tuple[str, ...] | None = None
     """Names of the channels to analyse, all by default."""
     sampling: Sampling = "point"

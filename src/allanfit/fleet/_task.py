@@ -90,6 +90,11 @@ def _configure_once() -> None:
 
 
 def _checksum(path: Path) -> str:
+    if path.is_dir():
+        # A ROS 2 bag: its files by name, one after the other.
+        inside = sorted(each for each in path.iterdir() if each.is_file())
+        told = "".join(f"{each.name} {_checksum(each)}\n" for each in inside)
+        return hashlib.sha256(told.encode()).hexdigest()
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -97,7 +102,11 @@ def _checksum(path: Path) -> str:
 def _rows(task: Task) -> list[Row]:
     options = task.options
     recording = load(
-        task.path, rate_hz=options.rate_hz, channels=options.channels, unit=options.unit
+        task.path,
+        rate_hz=options.rate_hz,
+        channels=options.channels,
+        unit=options.unit,
+        topic=options.topic,
     )
     result = fit_recording(
         recording,

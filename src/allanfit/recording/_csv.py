@@ -15,7 +15,7 @@ from ._timestamps import is_time
 
 _MISSING = ("", "NA", "N/A", "#N/A", "null", "NULL", "None")
 _COMMENT = ("#", "%")
-_BRACKETED = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
+BRACKETED = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 # Enough for any header and the first lines below it.
 _HEAD = 65_536
@@ -191,7 +191,7 @@ def _names(file: str, header: list[str], count: int) -> tuple[list[str], dict[st
         header = ["data"] if count == 1 else [""] * count
     names, units = [], {}
     for position, field in enumerate(header, start=1):
-        bracketed = _BRACKETED.fullmatch(field)
+        bracketed = BRACKETED.fullmatch(field)
         name = (bracketed[1] if bracketed else field) or _nameless(position)
         if name in names:
             raise RecordingError(f"{file} has two columns named {name}: rename one.")
@@ -277,5 +277,5 @@ def _ragged(file: str, body: bytes, layout: _Layout) -> RecordingError:
 def _type(name: str, field: str, decimal_comma: bool) -> type:
     if not _is_number(field, decimal_comma) and field not in _MISSING:
         return pl.String
-    exact = is_time(_BRACKETED.sub(r"\1", name)) and field.isdigit() and len(field) > _EXACT_DIGITS
+    exact = is_time(BRACKETED.sub(r"\1", name)) and field.isdigit() and len(field) > _EXACT_DIGITS
     return pl.Int64 if exact else pl.Float64

@@ -4,20 +4,18 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ._checks import about_gravity, about_samples, split, usable, why_useless
-from ._csv import read_csv
-from ._npz import read_npy, read_npz
+from ._formats import read_table
 from ._recording import Channel, Recording, RecordingError, Table
+from ._ros import Progress
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, is_time, read_clock
 from ._units import Unit, parse_unit
-
-_READERS = {".csv": read_csv, ".txt": read_csv, ".npy": read_npy, ".npz": read_npz}
 
 _MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
 _KIND_BY_NAME = (
@@ -32,18 +30,24 @@ def load(
     rate_hz: float | None = None,
     channels: Sequence[str] | None = None,
     unit: str | None = None,
+    topic: str | None = None,
+    progress: Progress | None = None,
 ) -> Recording:
     """Read a still recording, check it and convert it to SI units.
 
     **Arguments:**
 
-    - `path`: a `.csv`, `.txt` (either may be gzipped: `.csv.gz`), `.npy` or `.npz` file. A column
-        named `time`, `time_s`, `timestamp` or `t` holds time stamps.
+    - `path`: a `.csv`, `.txt` (either may be gzipped: `.csv.gz`), `.npy` or `.npz` file; with the
+        extra `io` also `.parquet`, `.mat`, `.h5`, `.hdf5`, a ROS 1 or 2 bag, `.mcap` or PX4's
+        `.ulg`. A column named `time`, `time_s`, `timestamp` or `t` holds time stamps.
     - `rate_hz`: samples a second. Without it the file's own is used, or else the time stamps'.
     - `channels`: names of the channels to analyse. Without it all are but temperatures,
         magnetometers and time stamps.
     - `unit`: the unit of the channels, `deg/s` for instance, in place of the file's. It applies
         to channels that have none or one of the same kind.
+    - `topic`: which part of a file to read that holds several: a topic of a bag or log, a group
+        of HDF5, a structure of a MAT-file. `allanfit.recording.contents` lists them.
+    - `progress`: called now and then with the messages read and their number, for bags.
 
     **Returns:** a `Recording`. What is wrong with it but does not forbid an analysis is said in
     its `findings` and those of its channels. Nothing is interpolated: gaps and values that are
@@ -62,7 +66,7 @@ def load(
         _check_rate(rate_hz, "the rate given")
     if isinstance(channels, str):
         channels = (channels,)
-    table = _read(path)
+    table = read_table(path, topic, progress)
     if rate_hz is None and table.rate_hz is not None:
         rate_hz = table.rate_hz
         _check_rate(rate_hz, f"rate_hz in {path.name}")
@@ -106,36 +110,6 @@ def load(
         checksum=digest.hexdigest(),
         lost=clock.lost,
     )
-
-
-def is_recording(path: Path) -> bool:
-    """Whether the name of a file is that of a type that `load` reads."""
-    return _reader(path) is not None
-
-
-def _reader(path: Path) -> Callable[[Path], Table] | None:
-    suffix = path.with_suffix("").suffix if path.suffix == ".gz" else path.suffix
-    reader = _READERS.get(suffix.lower())
-    return None if path.suffix == ".gz" and reader is not read_csv else reader
-
-
-def _read(path: Path) -> Table:
-    reader = _reader(path)
-    try:
-        if path.is_dir():
-            raise RecordingError(f"{path} is a folder: give the file of a recording.")
-        if not path.exists():
-            raise RecordingError(f"There is no file {path}.")
-        if reader is None:
-            raise RecordingError(
-                f"{path.name}: the file type '{path.suffix}' is not known; a recording is a .csv, "
-                ".csv.gz, .txt, .npy or .npz file."
-            )
-        if path.stat().st_size == 0:
-            raise RecordingError(f"{path.name} is empty.")
-        return reader(path)
-    except OSError as error:
-        raise RecordingError(f"{path} cannot be read: {error.strerror or error}.") from error
 
 
 def _check_rate(rate_hz: float, origin: str) -> None:

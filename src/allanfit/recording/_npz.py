@@ -1,6 +1,5 @@
 """NumPy's own files: one array (`.npy`), or named arrays together (`.npz`)."""
 
-import json
 import tokenize
 import warnings
 import zipfile
@@ -9,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ._names import units_by_channel
 from ._recording import RecordingError, Table
 
 # What NumPy and zipfile raise on bytes that are not what they should be.
@@ -25,7 +25,6 @@ _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
-_UNITS_EXAMPLE = '{"gyro_x": "deg/s"}'
 
 
 def read_npy(path: Path) -> Table:
@@ -59,7 +58,7 @@ def read_npz(path: Path) -> Table:
     arrays = _read(path)
     if isinstance(arrays, np.ndarray):
         raise RecordingError(f"{path.name} is an .npy file in truth: rename it.")
-    units = _units(path, arrays.pop("units", None))
+    units = units_by_channel(path.name, arrays.pop("units", None))
     rate_hz = _rate(path, arrays.pop("rate_hz", None))
     columns, findings = {}, ()
     for name, array in arrays.items():
@@ -117,18 +116,3 @@ def _rate(path: Path, array: np.ndarray | None) -> float | None:
     if array.size != 1 or array.dtype.kind not in "iuf":
         raise RecordingError(f"{path.name}: rate_hz must be a single number; pass --rate instead.")
     return float(array.item())
-
-
-def _units(path: Path, array: np.ndarray | None) -> dict[str, str]:
-    if array is None:
-        return {}
-    try:
-        units = json.loads(array.item())
-    except (ValueError, TypeError):
-        units = None
-    if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
-        raise RecordingError(
-            f"{path.name}: `units` must be a JSON string that gives each channel a unit, such as "
-            f"'{_UNITS_EXAMPLE}'."
-        )
-    return units
