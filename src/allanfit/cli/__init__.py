@@ -30,9 +30,21 @@ from ..recording import load, save
 from ..report import format_text, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
+from ._deliver import deliver
 from ._explain import explain
 from ._fleet import fleet
-from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
+from ._options import (
+    Channels,
+    Figure,
+    Interactive,
+    Json,
+    Page,
+    Rate,
+    Sampling,
+    Seed,
+    Unit,
+    refuse_missing_folders,
+)
 
 app = typer.Typer(
     name="allanfit",
@@ -52,7 +64,9 @@ def fit(
     channel: Channels = None,
     unit: Unit = None,
     json: Json = None,
-    report: Annotated[Path | None, typer.Option(help="Write a page with figures, HTML.")] = None,
+    report: Page = None,
+    interactive: Interactive = True,
+    figure: Figure = None,
     posterior: Annotated[
         bool, typer.Option(help="Sample with emcee and report whether it has settled.")
     ] = True,
@@ -70,7 +84,7 @@ def fit(
 
     Example: allanfit fit gyro.csv --rate 100 --unit deg/s --report gyro.html
     """
-    refuse_missing_folders(json, report)
+    refuse_missing_folders(json, report, figure)
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
         result = fit_recording(
@@ -82,7 +96,15 @@ def fit(
             announce=announce,
             done=done,
         )
-    _deliver(result, json, report)
+    deliver(
+        result.to_dict(),
+        format_text,
+        write_page,
+        json=json,
+        report=report,
+        interactive=interactive,
+        figure=figure,
+    )
 
 
 app.command()(explain)
@@ -229,18 +251,6 @@ def _truth_table(result: RecordingFit) -> str:
             f"  {entry[symbol]['unit']:<16} {verdict}"
         )
     return "\n".join(lines)
-
-
-def _deliver(result: RecordingFit, json: str | None, report: Path | None) -> None:
-    """The JSON first: should the page fail, nothing that was computed is lost."""
-    document = result.to_dict()
-    if json is not None:
-        write_json(document, json)
-    if json != "-":
-        typer.echo(format_text(document))
-    if report is not None:
-        write_page(document, report)
-        typer.echo(f"\nPage with figures: {report}", err=True)
 
 
 def main(argv: Sequence[str]) -> int:

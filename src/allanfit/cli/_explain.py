@@ -1,14 +1,25 @@
 """The command `allanfit explain`."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from ..recording import load
-from ..report import format_explanation, write_explanation, write_json
-from ._options import Channels, Json, Page, Rate, Sampling, Seed, Unit, refuse_missing_folders
+from ..report import format_explanation, write_explanation
+from ._deliver import deliver
+from ._options import (
+    Channels,
+    Figure,
+    Interactive,
+    Json,
+    Page,
+    Rate,
+    Sampling,
+    Seed,
+    Unit,
+    refuse_missing_folders,
+)
 from ._progress import channel_by_channel
 
 
@@ -26,6 +37,8 @@ def explain(
     unit: Unit = None,
     json: Json = None,
     report: Page = None,
+    interactive: Interactive = True,
+    figure: Figure = None,
     posterior: Annotated[
         bool, typer.Option(help="Sample with emcee and report whether it has settled.")
     ] = True,
@@ -39,7 +52,7 @@ def explain(
     # The stage loads much that the other commands do without.
     from ..explain import explain_recording
 
-    refuse_missing_folders(json, report)
+    refuse_missing_folders(json, report, figure)
     if simulation is not None and not simulation.is_file():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
@@ -53,15 +66,12 @@ def explain(
             announce=announce,
             done=done,
         )
-    _deliver(result.to_dict(), json, report)
-
-
-def _deliver(document: Mapping[str, Any], json: str | None, report: Path | None) -> None:
-    """The JSON first: should the page fail, nothing that was computed is lost."""
-    if json is not None:
-        write_json(document, json)
-    if json != "-":
-        typer.echo(format_explanation(document))
-    if report is not None:
-        write_explanation(document, report)
-        typer.echo(f"\nPage with figures: {report}", err=True)
+    deliver(
+        result.to_dict(),
+        format_explanation,
+        write_explanation,
+        json=json,
+        report=report,
+        interactive=interactive,
+        figure=figure,
+    )

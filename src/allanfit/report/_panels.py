@@ -24,7 +24,7 @@ BAND_COLOUR = "#E6E6E6"
 BAND_95 = 1.959964
 # Where a document keeps the points of each curve.
 POINTS = {"allan": ("tau_s", "deviation"), "psd": ("frequency_hz", "density")}
-_COLUMN_INCHES = (3.6, 4.8)
+_COLUMN_INCHES = (3.5, 4.6)  # one column of a journal
 _MARGIN_INCHES = (0.60, 0.10, 0.45, 0.06)  # left, right, bottom, top
 _TITLE_INCHES = 0.25
 _LABEL_POSITION = -0.15  # of the y labels, in widths of their axes
