@@ -11,6 +11,9 @@ from ._explain_page import write_explanation as write_explanation
 from ._explain_text import format_explanation as format_explanation
 from ._figures import figure as figure
 from ._json import write_json as write_json
+from ._notebook import explanation_html as explanation_html
+from ._notebook import fit_html as fit_html
+from ._notebook import fits_html as fits_html
 from ._page import write_page as write_page
 from ._paper import refuse_other_figures as refuse_other_figures
 from ._paper import write_figures as write_figures
