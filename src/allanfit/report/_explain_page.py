@@ -95,7 +95,7 @@ def _figures(channel: Mapping[str, Any], number: int, interactive: bool) -> dict
     lines = (channel["curves"] or {}).get("lines") or []
     return {
         "allan": drawn(as_svg(draw_curve(channel, "allan"), f"allan-{number}-")),
-        "live": live_figures(channel, explained_figure) if interactive else {},
+        "live": live_figures(channel, explained_figure, interactive),
         "psd": drawn(as_svg(draw_curve(channel, "psd"), f"psd-{number}-")),
         "time": drawn(as_svg(draw_time(channel), f"time-{number}-")) if has_time(channel) else "",
         "lines": [

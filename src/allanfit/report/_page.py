@@ -62,7 +62,7 @@ def _page(document: Mapping[str, Any], interactive: bool) -> str:
             "findings": channel["findings"],
             "allan": drawn(svg(channel, "allan", f"allan-{number}-")),
             "psd": drawn(svg(channel, "psd", f"psd-{number}-")),
-            "live": live_figures(channel, curve_figure) if interactive else {},
+            "live": live_figures(channel, curve_figure, interactive),
             "two_models": False,
             "shares": drawn(svg(channel, "shares", f"shares-{number}-"))
             if has_shares(channel)

@@ -37,9 +37,10 @@ def render(name: str, *, package: str = "allanfit.report", **context: Any) -> st
 def live_figures(
     channel: Mapping[str, Any],
     figure: Callable[[Mapping[str, Any], str], dict[str, Any] | None],
+    interactive: bool,
 ) -> dict[str, Any]:
     """Both curves of a channel as scripts for plotly, "" for one that has nothing to show."""
-    found = {kind: figure(channel, kind) for kind in ("allan", "psd")}
+    found = {kind: interactive and figure(channel, kind) for kind in ("allan", "psd")}
     return {kind: drawn(as_script(each)) if each else "" for kind, each in found.items()}
 
 
