@@ -31,8 +31,20 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        if self.open and self.open[-1] != "style":
+        if self.open and self.open[-1] not in {"style", "script"}:
             self.words.append(data)
+
+
+# Figures as data, plotly and what starts it.
+OURS = {"application/json", "text/plain", None}
+
+
+def scripts(source: str) -> set[str | None]:
+    """The kinds of the scripts of a page, of which one is a program."""
+    kinds = [attributes.get("type") for tag, attributes in Page(source).tags if tag == "script"]
+    assert kinds.count(None) == 1
+    assert source.count("<script") == len(kinds)
+    return set(kinds)
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +104,8 @@ def test_a_fit_without_shares_has_no_such_figure(document, capsys, empty):
 
 def test_names_of_the_user_stay_text(source):
     page = Page(source)
-    assert not {tag for tag, _ in page.tags} & {"script", "img"}
+    assert "img" not in {tag for tag, _ in page.tags}
+    assert scripts(source) == OURS
     assert "&lt;script&gt;alert(&#39;$x_1$&#39;)&lt;/script&gt;" in source
     assert "bench &lt;b&gt;3&lt;/b&gt;.csv" in source
     assert "&lt;img src=x&gt;" in source
@@ -102,7 +115,18 @@ def test_a_hostile_unit_stays_text(document, tmp_path):
     document["channels"] = document["channels"][:1]
     document["channels"][0]["unit"] = "--><script>x</script>$"
     write_page(document, tmp_path / "fit.html")
-    assert "<script" not in (tmp_path / "fit.html").read_text("utf-8")
+    assert scripts((tmp_path / "fit.html").read_text("utf-8")) == OURS
+
+
+def test_a_page_without_scripts_is_small(document, tmp_path):
+    document["channels"] = document["channels"][1:2]
+    for name, interactive in (("live", True), ("still", False)):
+        write_page(document, tmp_path / name, interactive=interactive)
+    still = (tmp_path / "still").read_text("utf-8")
+    assert "<script" not in still.replace("&lt;script", "")
+    assert "script-src" not in still
+    added = (tmp_path / "live").stat().st_size - len(still.encode())
+    assert 1.9e6 < added < 2.3e6
 
 
 def test_the_page_needs_nothing_from_elsewhere(source):

@@ -166,6 +166,13 @@ class Calibration:
             document["residuals"] = self.residuals.to_dict()
         return {**document, "findings": list(self.findings)}
 
+    def _repr_html_(self) -> str:
+        """The axes with their intervals, for a notebook."""
+        # The words know this class.
+        from ._text import calibration_html
+
+        return calibration_html(self)
+
 
 def _plain(intervals: Intervals) -> dict[str, list[float] | None]:
     return {level: None if ends is None else list(ends) for level, ends in intervals.items()}

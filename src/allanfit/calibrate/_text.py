@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from ..report._format import printable, significant
+from ..report._notebook import html_table, shown
 from ._result import AxisCalibration, Calibration
 from ._rows import Row, axis_rows, misalignment_rows
 
@@ -33,6 +34,22 @@ def calibration_text(found: Calibration) -> str:
         )
     lines += ["", *textwrap.wrap(f"{_LEGEND} {found.intervals}", _WIDTH)]
     return "\n".join([*lines, f"allanfit {version('allanfit')}"])
+
+
+def calibration_html(found: Calibration) -> str:
+    """Each axis with its values and intervals, for a notebook."""
+    rows = [
+        (name, row.label, "\n".join(map(shown, row.readings)), row.state)
+        for name, axis in found.axes.items()
+        for row in axis_rows(axis, found.procedure)
+    ]
+    rows += [
+        ("misalignment", row.label, "\n".join(map(shown, row.readings)), row.state)
+        for row in misalignment_rows(found)
+    ]
+    notes = (*found.findings, found.misalignment_convention, f"{_LEGEND} {found.intervals}")
+    head = ("axis", "quantity", "value", "")
+    return html_table(f"{found.source}: {found.procedure} test", head, rows, notes)
 
 
 def _table(rows: Sequence[Row]) -> list[str]:

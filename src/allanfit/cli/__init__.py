@@ -32,12 +32,16 @@ from ..report import format_text, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._contents import contents_text
+from ._deliver import deliver
 from ._explain import explain
 from ._fleet import fleet
 from ._options import (
     RECORDING,
     Channels,
+    Figure,
+    Interactive,
     Json,
+    Page,
     Rate,
     Sampling,
     Seed,
@@ -65,7 +69,9 @@ def fit(
     channel: Channels = None,
     unit: Unit = None,
     json: Json = None,
-    report: Annotated[Path | None, typer.Option(help="Write a page with figures, HTML.")] = None,
+    report: Page = None,
+    interactive: Interactive = True,
+    figure: Figure = None,
     posterior: Annotated[
         bool, typer.Option(help="Sample with emcee and report whether it has settled.")
     ] = True,
@@ -93,7 +99,7 @@ def fit(
     if list_contents:
         typer.echo(contents_text(contents(recording)))
         return
-    refuse_missing_folders(json, report)
+    refuse_missing_folders(json, report, figure)
     sheet = None if datasheet is None else read_datasheet(datasheet)
     found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
@@ -107,7 +113,15 @@ def fit(
             announce=announce,
             done=done,
         )
-    _deliver(result, json, report)
+    deliver(
+        result.to_dict(),
+        format_text,
+        write_page,
+        json=json,
+        report=report,
+        interactive=interactive,
+        figure=figure,
+    )
 
 
 app.command()(explain)
@@ -254,18 +268,6 @@ def _truth_table(result: RecordingFit) -> str:
             f"  {entry[symbol]['unit']:<16} {verdict}"
         )
     return "\n".join(lines)
-
-
-def _deliver(result: RecordingFit, json: str | None, report: Path | None) -> None:
-    """The JSON first: should the page fail, nothing that was computed is lost."""
-    document = result.to_dict()
-    if json is not None:
-        write_json(document, json)
-    if json != "-":
-        typer.echo(format_text(document))
-    if report is not None:
-        write_page(document, report)
-        typer.echo(f"\nPage with figures: {report}", err=True)
 
 
 def main(argv: Sequence[str]) -> int:

@@ -1,15 +1,17 @@
 """The command `allanfit explain`."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from ..report import format_explanation, write_explanation, write_json
+from ..report import format_explanation, write_explanation
+from ._deliver import deliver
 from ._options import (
     RECORDING,
     Channels,
+    Figure,
+    Interactive,
     Json,
     Page,
     Rate,
@@ -37,6 +39,8 @@ def explain(
     unit: Unit = None,
     json: Json = None,
     report: Page = None,
+    interactive: Interactive = True,
+    figure: Figure = None,
     posterior: Annotated[
         bool, typer.Option(help="Sample with emcee and report whether it has settled.")
     ] = True,
@@ -50,7 +54,7 @@ def explain(
     # The stage loads much that the other commands do without.
     from ..explain import explain_recording
 
-    refuse_missing_folders(json, report)
+    refuse_missing_folders(json, report, figure)
     if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
     found = load_with_progress(recording, rate, channel, unit, topic)
@@ -64,15 +68,12 @@ def explain(
             announce=announce,
             done=done,
         )
-    _deliver(result.to_dict(), json, report)
-
-
-def _deliver(document: Mapping[str, Any], json: str | None, report: Path | None) -> None:
-    """The JSON first: should the page fail, nothing that was computed is lost."""
-    if json is not None:
-        write_json(document, json)
-    if json != "-":
-        typer.echo(format_explanation(document))
-    if report is not None:
-        write_explanation(document, report)
-        typer.echo(f"\nPage with figures: {report}", err=True)
+    deliver(
+        result.to_dict(),
+        format_explanation,
+        write_explanation,
+        json=json,
+        report=report,
+        interactive=interactive,
+        figure=figure,
+    )

@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from ..report import refuse_other_figures
+
 RECORDING = "CSV, NPY, NPZ, Parquet, MAT, HDF5, ROS bag, MCAP or ULog file of a still sensor."
 
 Channels = Annotated[
@@ -22,6 +24,20 @@ Unit = Annotated[
 ]
 Json = Annotated[str | None, typer.Option(help="Write the results as JSON; - is stdout.")]
 Page = Annotated[Path | None, typer.Option("--report", help="Write a page with figures, HTML.")]
+Interactive = Annotated[
+    bool,
+    typer.Option(
+        help="Figures of the page that answer to the pointer; without them it is 2 MB smaller."
+    ),
+]
+Figure = Annotated[
+    Path | None,
+    typer.Option(
+        "--figure",
+        help="Write the Allan deviation for a paper, as .pdf, .svg or .png, and the spectrum "
+        "beside it with -psd in its name.",
+    ),
+]
 Seed = Annotated[int, typer.Option(help="Seed; the same seed gives the same numbers.", min=0)]
 Sampling = Annotated[
     Literal["point", "averaged"],
@@ -29,9 +45,13 @@ Sampling = Annotated[
 ]
 
 
-def refuse_missing_folders(json: str | None, report: Path | None) -> None:
+def refuse_missing_folders(
+    json: str | None, report: Path | None, figure: Path | None = None
+) -> None:
     """Find out before the work, not after it, that its result has nowhere to go."""
-    for target in (json, report):
+    if figure is not None:
+        refuse_other_figures(figure)
+    for target in (json, report, figure):
         if target not in (None, "-") and not Path(target).parent.is_dir():
             raise ValueError(
                 f"There is no folder {str(Path(target).parent)!r} to write {Path(target).name} "

@@ -170,6 +170,13 @@ class Explanation:
         """The explain JSON, schema allanfit.explain/1."""
         return recording_document(SCHEMA, self.recording, self.channels)
 
+    def _repr_html_(self) -> str:
+        """Verdicts, effects and coefficients, for a notebook."""
+        # Formatting comes after explaining, and is not loaded with it.
+        from ..report import explanation_html
+
+        return explanation_html(self.to_dict())
+
 
 def explain_recording(
     recording: Recording,

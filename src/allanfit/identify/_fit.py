@@ -85,6 +85,16 @@ class Fit(eqx.Module):
 
         return series_document(self, channel, unit)
 
+    def _repr_html_(self) -> str:
+        """Coefficients with intervals, for a notebook."""
+        # Formatting comes after fitting, and is not loaded with it.
+        from ..report import fit_html, fits_html
+
+        if not self.converged.shape:
+            return fit_html(self.to_dict())
+        parts = (self.coefficients, self.intervals, self.upper_limits, self.resolved)
+        return fits_html(*({s: np.asarray(v).tolist() for s, v in part.items()} for part in parts))
+
     def with_draws(self, draws: Float[np.ndarray, "draws terms"]) -> "Fit":
         """The same fit with another sampler's draws behind its intervals."""
         dtype = self.estimate.draws.dtype

@@ -195,6 +195,13 @@ class RecordingFit:
         """The fit JSON, schema allanfit.fit/1."""
         return recording_document(SCHEMA, self.recording, self.channels)
 
+    def _repr_html_(self) -> str:
+        """Coefficients with intervals, for a notebook."""
+        # Formatting comes after fitting, and is not loaded with it.
+        from ..report import fit_html
+
+        return fit_html(self.to_dict())
+
 
 def fit_recording(
     recording: Recording,

@@ -76,6 +76,13 @@ class Plan:
             "notes": list(self.notes),
         }
 
+    def _repr_html_(self) -> str:
+        """The plan as a table, for a notebook."""
+        # The words know this class.
+        from ._text import plan_html
+
+        return plan_html(self)
+
 
 def plan(
     coefficients: Mapping[str, float],

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from ..physics import SYMBOLS
 from ..report._format import duration, printable, significant
+from ..report._notebook import html_table
 from ._file import FilePlan
 from ._plan import Plan, percent
 
@@ -40,6 +41,18 @@ def plan_text(found: FilePlan) -> str:
         for note in entry.notes:
             lines += textwrap.wrap(f"{printable(name)}: {note}", _WIDTH, subsequent_indent="  ")
     return "\n".join(lines)
+
+
+def plan_html(found: Plan) -> str:
+    """A row for each wish: how long it takes, and what the record will then tell."""
+    known = found.relative_standard_error
+    rows = [
+        (symbol, percent(error), _length(found.durations_s[symbol]), percent(known[symbol]))
+        for symbol, error in found.want.items()
+    ]
+    record = f"Record {duration(found.at_s)} at {significant(found.rate_hz)} Hz"
+    head = ("", "wanted", "takes", f"after {duration(found.at_s)}")
+    return html_table(f"{record}, at rest and without a gap", head, rows, [*found.notes, _LEGEND])
 
 
 def _length(seconds: float | None) -> str:

@@ -1,7 +1,7 @@
 """Drawing a curve with both models, and the ratio of recording to model below it."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,18 +25,46 @@ from ._panels import (
 BEFORE: dict[str, Any] = {"color": "#D55E00", "linestyle": "--"}
 AFTER: dict[str, Any] = {"color": "#0072B2", "linestyle": "-"}
 SHADE: dict[str, Any] = {"color": "#F0E442", "alpha": 0.45, "linewidth": 0}
-_EFFECT_COLOURS = ("#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+EFFECT_COLOURS = ("#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 _HEIGHTS = (2.1, 1.3)
 _NUMBERS_INCHES = 0.12
 _ROOM_BELOW_DATA = 3.0
 _NARROWEST = 0.012  # of a shaded band, in widths of the axes: a line in a spectrum has none
 _NUMBER_APART = 0.045  # two numbers closer than this would overlap
 _LARGEST_LINEAR_RATIO = 2.5
-_LARGEST_FINE_RATIO = 60.0
+LARGEST_FINE_RATIO = 60.0
 
 
-def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
-    """A curve ("allan" or "psd") of a channel with both models, above recording / model."""
+class ExplainedCurve(NamedTuple):
+    """One statistic of one channel with both models, undefined entries as NaN."""
+
+    x: np.ndarray
+    data: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    effects: dict[str, np.ndarray]  # by name, only those that the curve shows
+    x_label: str
+    y_label: str
+
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Limits in x and y that frame the data; below, room to see the effects."""
+        levels = np.concatenate([self.data, self.before, self.after])
+        top = 2.0 * np.nanmax(np.concatenate([levels, self.high]))
+        return (
+            (float(np.nanmin(self.x)) / 1.3, float(np.nanmax(self.x)) * 1.3),
+            (float(np.nanmin(levels)) / _ROOM_BELOW_DATA, float(top)),
+        )
+
+    def ratio_range(self) -> tuple[float, float]:
+        """The smallest and the largest ratio of recording to model, and one."""
+        ratios = np.concatenate([self.data / self.before, self.data / self.after, [1.0]])
+        return float(np.nanmin(ratios)), float(np.nanmax(ratios))
+
+
+def load_explained(channel: Mapping[str, Any], kind: str) -> ExplainedCurve:
+    """A curve ("allan" or "psd") of a channel of an explanation."""
     entry = (channel["curves"] or {}).get(kind) or {}
     x_key, data_key = POINTS[kind]
     size = len(entry.get(x_key) or ())
@@ -46,48 +74,57 @@ def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
     if channel["verdict"] == "consistent":
         after = np.full(size, np.nan)  # there is no better model
     low, high = (positive(each, size) for each in entry.get("band_95") or (None, None))
-    x_label, y_label = axis_labels(kind, channel["unit"])
+    effects = {
+        name.replace("_", " "): positive(values, size)
+        for name, values in (entry.get("effects") or {}).items()
+    }
+    effects = {name: values for name, values in effects.items() if np.isfinite(values).any()}
+    labels = axis_labels(kind, channel["unit"])
+    return ExplainedCurve(x, data, before, after, low, high, effects, *labels)
+
+
+def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
+    """A curve ("allan" or "psd") of a channel with both models, above recording / model."""
+    curve = load_explained(channel, kind)
+    x = curve.x
     with style():
         sheet, panels = empty_sheet(1, _NUMBERS_INCHES, _HEIGHTS)
         upper, lower = panels[:, 0]
-        upper.set_ylabel(y_label, parse_math=False)
-        lower.set_xlabel(x_label)
+        upper.set_ylabel(curve.y_label, parse_math=False)
+        lower.set_xlabel(curve.x_label)
         lower.set_ylabel("recording / model")
-        if not np.isfinite(data).any():
+        if not np.isfinite(curve.data).any():
             upper.set_xticks([])
             say_empty(upper)
             say_empty(lower)
             return sheet
         upper.set_xscale("log")
         upper.set_yscale("log")
-        upper.set_xlim(np.nanmin(x) / 1.3, np.nanmax(x) * 1.3)
-        bars = upper.vlines(x, low, high, color=BAR_COLOUR, linewidth=0.9, zorder=2)
-        (points,) = upper.plot(x, data, "o", zorder=3, **_points())
+        across, along = curve.limits()
+        upper.set_xlim(across)
+        bars = upper.vlines(x, curve.low, curve.high, color=BAR_COLOUR, linewidth=0.9, zorder=2)
+        (points,) = upper.plot(x, curve.data, "o", zorder=3, **_points())
         handles: dict[str, Any] = {"recording, 95 % interval": (bars, points)}
         # The dashes on top, so that both show where the models are one.
         for name, model, look, order in (
-            ("five terms", before, BEFORE, 2.9),
-            ("better model", after, AFTER, 2.8),
+            ("five terms", curve.before, BEFORE, 2.9),
+            ("better model", curve.after, AFTER, 2.8),
         ):
             if np.isfinite(model).any():
                 (handles[name],) = upper.plot(x, model, zorder=order, **look)
-        levels = np.concatenate([data, before, after])
-        bottom = np.nanmin(levels) / _ROOM_BELOW_DATA
-        for index, (name, values) in enumerate((entry.get("effects") or {}).items()):
-            effect = positive(values, size)
-            if np.isfinite(effect).any():
-                colour = _EFFECT_COLOURS[index % len(_EFFECT_COLOURS)]
-                # A line in one bin has zeros beside it, and would show as no line at all.
-                shown = np.where(np.isfinite(effect), effect, bottom / 1e3)
-                line = upper.plot(x, shown, color=colour, linestyle=":", linewidth=1.4)
-                handles[name.replace("_", " ")] = line[0]
-        upper.set_ylim(bottom, 2.0 * np.nanmax(np.concatenate([levels, high])))
+        for index, (name, effect) in enumerate(curve.effects.items()):
+            colour = EFFECT_COLOURS[index % len(EFFECT_COLOURS)]
+            # A line in one bin has zeros beside it, and would show as no line at all.
+            shown = np.where(np.isfinite(effect), effect, along[0] / 1e3)
+            line = upper.plot(x, shown, color=colour, linestyle=":", linewidth=1.4)
+            handles[name] = line[0]
+        upper.set_ylim(along)
         # A pale ground: where there is no empty corner, the bars of the data lie behind it.
         frame = {"frameon": True, "framealpha": 0.75, "edgecolor": "none"}
         legend = upper.legend(list(handles.values()), list(handles), loc="best", **frame)
         for text in legend.get_texts():
             text.set_parse_math(False)
-        _draw_ratio(lower, x, data, (before, after), (low, high))
+        _draw_ratio(lower, curve)
         domain = "tau" if kind == "allan" else "frequency"
         shade(channel, domain, (upper, lower))
         return sheet
@@ -97,28 +134,25 @@ def _points() -> dict[str, Any]:
     return {"color": DATA_COLOUR, "markersize": 2.6, "markeredgewidth": 0}
 
 
-def _draw_ratio(
-    axes: Axes,
-    x: np.ndarray,
-    data: np.ndarray,
-    models: tuple[np.ndarray, np.ndarray],
-    band: tuple[np.ndarray, np.ndarray],
-) -> None:
+def _draw_ratio(axes: Axes, curve: ExplainedCurve) -> None:
     """A point in the grey band has a 95 % interval that holds the model."""
-    before, after = models
-    low, high = band
-    axes.fill_between(x, data / high, data / low, color=BAND_COLOUR, linewidth=0)
+    x, data = curve.x, curve.data
+    axes.fill_between(x, data / curve.high, data / curve.low, color=BAND_COLOUR, linewidth=0)
     axes.axhline(1.0, color="black", linewidth=0.8)
     open_mark = {"markerfacecolor": "white", "markeredgewidth": 0.7, "markersize": 3.2}
-    axes.plot(x, data / before, "D", color=BEFORE["color"], **open_mark)
-    axes.plot(x, data / after, "o", color=AFTER["color"], markersize=2.8, markeredgewidth=0)
-    ratios = np.concatenate([data / before, data / after, [1.0]])
-    _scale_ratio(axes, float(np.nanmin(ratios)), float(np.nanmax(ratios)))
+    axes.plot(x, data / curve.before, "D", color=BEFORE["color"], **open_mark)
+    axes.plot(x, data / curve.after, "o", color=AFTER["color"], markersize=2.8, markeredgewidth=0)
+    _scale_ratio(axes, *curve.ratio_range())
+
+
+def ratio_is_linear(low: float, high: float) -> bool:
+    """Whether ratios in this range are best read on a linear axis."""
+    return high < _LARGEST_LINEAR_RATIO and low > 1 / _LARGEST_LINEAR_RATIO
 
 
 def _scale_ratio(axes: Axes, low: float, high: float) -> None:
     """Limits and ticks that stay readable from a few per cent to a line of many decades."""
-    if high < _LARGEST_LINEAR_RATIO and low > 1 / _LARGEST_LINEAR_RATIO:
+    if ratio_is_linear(low, high):
         room = max(0.1 * (high - low), 0.03)
         axes.set_ylim(low - room, high + room)
         axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
@@ -126,7 +160,7 @@ def _scale_ratio(axes: Axes, low: float, high: float) -> None:
     axes.set_yscale("log")
     room = (high / low) ** 0.08
     axes.set_ylim(low / room, high * room)
-    if high / low < _LARGEST_FINE_RATIO:
+    if high / low < LARGEST_FINE_RATIO:
         decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
         ticks = np.outer(decades, (1, 2, 5)).ravel()
         axes.yaxis.set_major_locator(FixedLocator(ticks.tolist()))
@@ -137,6 +171,42 @@ def _scale_ratio(axes: Axes, low: float, high: float) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
+class Band(NamedTuple):
+    """A stretch of mismatch, in widths of the axes, and its number in the list or ""."""
+
+    start: float
+    stop: float
+    label: str
+
+
+def bands(
+    channel: Mapping[str, Any],
+    domain: str,
+    across: Callable[[np.ndarray], np.ndarray],
+    limits: tuple[float, float],
+    unit: float = 1.0,
+) -> list[Band]:
+    """Where recording and model differ in a domain, numbered as in the list.
+
+    **Arguments**: `across` turns places along the axes, which end at `limits`, into widths of
+    the axes; `unit` is the size of their unit. A number that would hide another is left out.
+    """
+    found: list[Band] = []
+    taken: list[float] = []
+    for number, entry in enumerate(channel["mismatch"], start=1):
+        if entry["domain"] != domain:
+            continue
+        ends = np.clip(np.array([entry["low"], entry["high"]]) / unit, *limits)
+        low, high = across(ends).tolist()
+        middle = (low + high) / 2
+        half = max((high - low) / 2, _NARROWEST / 2)
+        free = all(abs(middle - other) > _NUMBER_APART for other in taken)
+        if free:
+            taken.append(middle)
+        found.append(Band(middle - half, middle + half, str(number) if free else ""))
+    return found
+
+
 def shade(
     channel: Mapping[str, Any], domain: str, panels: Sequence[Axes], unit: float = 1.0
 ) -> None:
@@ -144,37 +214,23 @@ def shade(
 
     `unit` is the size of the unit along the axes, which must have their limits.
     """
-    taken: list[float] = []
     upper = panels[0]
-    across = upper.transData + upper.transAxes.inverted()
-    for number, entry in enumerate(channel["mismatch"], start=1):
-        if entry["domain"] != domain:
-            continue
-        bottom, top = upper.get_xlim()
-        ends = np.clip((entry["low"] / unit, entry["high"] / unit), bottom, top)
-        low, high = (float(across.transform((end, 1.0))[0]) for end in ends)
-        middle = (low + high) / 2
-        half = max((high - low) / 2, _NARROWEST / 2)
+    transform = upper.transData + upper.transAxes.inverted()
+
+    def across(x: np.ndarray) -> np.ndarray:
+        return transform.transform(np.column_stack([x, np.ones_like(x)]))[:, 0]
+
+    for band in bands(channel, domain, across, upper.get_xlim(), unit):
+        place = {"xy": (band.start, 0.0), "width": band.stop - band.start, "height": 1.0}
         for axes in panels:
-            axes.add_patch(
-                Rectangle(
-                    (middle - half, 0.0),
-                    2 * half,
-                    1.0,
-                    transform=axes.transAxes,
-                    zorder=1.5,
-                    **SHADE,
-                )
-            )
-        if all(abs(middle - other) > _NUMBER_APART for other in taken):
-            taken.append(middle)
-            upper.text(
-                middle,
-                1.01,
-                str(number),
-                transform=upper.transAxes,
-                ha="center",
-                va="bottom",
-                fontweight="bold",
-                zorder=5,
-            )
+            axes.add_patch(Rectangle(**place, transform=axes.transAxes, zorder=1.5, **SHADE))
+        upper.text(
+            (band.start + band.stop) / 2,
+            1.01,
+            band.label,
+            transform=upper.transAxes,
+            ha="center",
+            va="bottom",
+            fontweight="bold",
+            zorder=5,
+        )

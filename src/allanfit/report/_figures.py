@@ -10,6 +10,12 @@ from ._errors import report_extra
 if TYPE_CHECKING:
     import matplotlib.figure
 
+# Dates and library versions would make two equal figures differ.
+UNDATED: dict[str, dict[str, Any]] = {
+    ".svg": dict.fromkeys(("Creator", "Date", "Format", "Type")),
+    ".pdf": dict.fromkeys(("Creator", "Producer", "CreationDate")),
+    ".png": {"Software": None},
+}
 _ID_PATTERN = re.compile(r'(\bid="|href="#|url\(#)')
 
 
@@ -19,7 +25,7 @@ def figure(channel: Mapping[str, Any]) -> "matplotlib.figure.Figure":
 
     Points are the data with their 95 % band, the line is the fit, and each term has its own
     dashed line with its letter. Residuals are in standard deviations of the band. The size,
-    183 mm by 122 mm, is that of a figure across both columns of a journal.
+    178 mm by 117 mm, is that of a figure across both columns of a journal.
 
     **Arguments**: `channel` is one entry of `channels` in a fit document.
 
@@ -57,11 +63,9 @@ def as_svg(sheet: "matplotlib.figure.Figure", prefix: str) -> str:
     """A figure as one SVG element, `prefix` before every identifier in it."""
     from ._panels import style
 
-    # Dates and library versions would make two equal reports differ.
-    undated = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     stream = io.StringIO()
     with style():
-        sheet.savefig(stream, format="svg", metadata=undated)
+        sheet.savefig(stream, format="svg", metadata=UNDATED[".svg"])
     element = stream.getvalue()
     element = element[element.index("<svg") :]
     return _ID_PATTERN.sub(lambda match: match[0] + prefix, element)

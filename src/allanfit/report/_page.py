@@ -5,8 +5,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from ._datasheet_rows import sheet_notes, sheet_rows, sheet_title
+from ._errors import report_extra
 from ._figures import svg
 from ._files import write_whole
+from ._plotly import scripts
 from ._rows import (
     advice_sentence,
     coefficient_rows,
@@ -19,28 +21,34 @@ from ._rows import (
     temperature_sentence,
     warning_sentence,
 )
-from ._template import drawn, render
+from ._template import drawn, live_figures, render
 
 
-def write_page(document: Mapping[str, Any], target: str | os.PathLike[str]) -> None:
+def write_page(
+    document: Mapping[str, Any], target: str | os.PathLike[str], *, interactive: bool = True
+) -> None:
     """Write the report of a fit as one HTML page, to a path or to standard output for "-".
 
-    The page needs no other file, no network and no script, and two pages of one document are
-    equal byte for byte. The file is there whole or not at all.
+    The page needs no other file and no network, and two pages of one document are equal byte for
+    byte. The file is there whole or not at all.
 
-    **Arguments**: `document` is a fit document, schema `allanfit.fit/1`.
+    **Arguments**: `document` is a fit document, schema `allanfit.fit/1`. An `interactive` page
+    carries a script, 2 MB of it, with which figures tell the values under the pointer, hide and
+    show lines, and zoom; in print, and where scripts do not run, the drawn figures stand.
 
-    **Raises** `ReportError` when jinja2 or matplotlib is not installed, and when the file cannot
-    be written.
+    **Raises** `ReportError` when jinja2, matplotlib or plotly is not installed, and when the file
+    cannot be written.
 
     ```python
     write_page(json.loads(Path("fit.json").read_text()), "fit.html")
     ```
     """
-    write_whole(_page(document), target)
+    write_whole(_page(document, interactive), target)
 
 
-def _page(document: Mapping[str, Any]) -> str:
+def _page(document: Mapping[str, Any], interactive: bool) -> str:
+    with report_extra():
+        from ._interactive import curve_figure
     channels = [
         {
             "name": channel["channel"],
@@ -56,6 +64,8 @@ def _page(document: Mapping[str, Any]) -> str:
             "sheet": _sheet(channel),
             "allan": drawn(svg(channel, "allan", f"allan-{number}-")),
             "psd": drawn(svg(channel, "psd", f"psd-{number}-")),
+            "live": live_figures(channel, curve_figure, interactive),
+            "two_models": False,
             "shares": drawn(svg(channel, "shares", f"shares-{number}-"))
             if has_shares(channel)
             else "",
@@ -75,6 +85,7 @@ def _page(document: Mapping[str, Any]) -> str:
         version=document["allanfit_version"],
         checksum=document["checksum"],
         channels=channels,
+        scripts=scripts() if interactive else None,
     )
 
 

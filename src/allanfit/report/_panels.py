@@ -20,10 +20,11 @@ COLOURS = {"Q": "#CC79A7", "N": "#0072B2", "B": "#009E73", "K": "#D55E00", "R": 
 DATA_COLOUR = "#4D4D4D"
 BAR_COLOUR = "#B3B3B3"
 BAND_COLOUR = "#E6E6E6"
+# In standard deviations: within it, the interval of a point holds the model.
+BAND_95 = 1.959964
 # Where a document keeps the points of each curve.
 POINTS = {"allan": ("tau_s", "deviation"), "psd": ("frequency_hz", "density")}
-_NORMAL_QUANTILE_95 = 1.959964
-_COLUMN_INCHES = (3.6, 4.8)
+_COLUMN_INCHES = (3.5, 4.6)  # one column of a journal
 _MARGIN_INCHES = (0.60, 0.10, 0.45, 0.06)  # left, right, bottom, top
 _TITLE_INCHES = 0.25
 _LABEL_POSITION = -0.15  # of the y labels, in widths of their axes
@@ -67,7 +68,7 @@ def style() -> AbstractContextManager[None]:
     return matplotlib.style.context(["default", _STYLE])
 
 
-class _Curve(NamedTuple):
+class Curve(NamedTuple):
     """One statistic of one channel, undefined entries as NaN."""
 
     x: np.ndarray
@@ -85,7 +86,7 @@ class _Curve(NamedTuple):
         The band is taken on the side of the model, since few averages make it lopsided.
         """
         side = np.where(self.model > self.data, self.high / self.data, self.data / self.low)
-        deviation = np.log(side) / _NORMAL_QUANTILE_95
+        deviation = np.log(side) / BAND_95
         return np.log(self.data / self.model) / np.where(deviation > 0, deviation, np.nan)
 
 
@@ -105,7 +106,8 @@ def axis_labels(kind: str, unit: str) -> tuple[str, str]:
     return "frequency [Hz]", f"power spectral density [{typeset(squared_per_hertz(unit))}]"
 
 
-def _curve(channel: Mapping[str, Any], kind: str) -> _Curve:
+def load_curve(channel: Mapping[str, Any], kind: str) -> Curve:
+    """A curve ("allan" or "psd") of a channel of a fit document."""
     entry = channel["curves"][kind]
     x_key, data_key = POINTS[kind]
     x, data = entry[x_key], entry[data_key]
@@ -113,7 +115,7 @@ def _curve(channel: Mapping[str, Any], kind: str) -> _Curve:
     size = len(x)
     low, high = entry.get("band_95") or (None, None)
     terms = {name: positive(values, size) for name, values in (entry.get("terms") or {}).items()}
-    return _Curve(
+    return Curve(
         x=positive(x, size),
         data=positive(data, size),
         model=positive(entry["model"], size),
@@ -132,7 +134,7 @@ def draw(channel: Mapping[str, Any], curves: Sequence[str], title: bool) -> Figu
         if title:
             sheet.suptitle(channel["channel"], fontsize=9, fontweight="bold", parse_math=False)
         for column, kind in enumerate(curves):
-            curve = _curve(channel, kind)
+            curve = load_curve(channel, kind)
             _draw_curve(panels[0, column], curve, channel["coefficients"])
             _draw_residuals(panels[1, column], curve)
         return sheet
@@ -168,7 +170,7 @@ def empty_sheet(
     return sheet, panels
 
 
-def _draw_curve(axes: Axes, curve: _Curve, coefficients: Mapping[str, Any]) -> None:
+def _draw_curve(axes: Axes, curve: Curve, coefficients: Mapping[str, Any]) -> None:
     axes.set_ylabel(curve.y_label, parse_math=False)
     if not np.isfinite(curve.data).any():
         axes.set_xticks([])
@@ -182,7 +184,9 @@ def _draw_curve(axes: Axes, curve: _Curve, coefficients: Mapping[str, Any]) -> N
         curve.x, curve.data, "o", color=DATA_COLOUR, markersize=2.6, markeredgewidth=0, zorder=3
     )
     (fit,) = axes.plot(curve.x, curve.model, color="black", zorder=2.8)
-    _set_limits(axes, curve)
+    across, along = curve_limits(curve)
+    axes.set_xlim(across)
+    axes.set_ylim(along)
     lines = {}
     for name, values in curve.terms.items():
         if np.isfinite(values).any():
@@ -201,24 +205,24 @@ def _draw_curve(axes: Axes, curve: _Curve, coefficients: Mapping[str, Any]) -> N
     axes.legend(list(handles.values()), list(handles), loc="best")
 
 
-def _set_limits(axes: Axes, curve: _Curve) -> None:
-    """Frame the data; below them, room to see the terms that are smaller than their sum."""
+def curve_limits(curve: Curve) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits in x and y that frame the data; below, room to see terms smaller than their sum."""
     shown = np.concatenate([curve.data, curve.model, curve.high])
-    axes.set_xlim(np.nanmin(curve.x) / 1.3, np.nanmax(curve.x) * 1.3)
-    axes.set_ylim(
-        np.nanmin(np.concatenate([curve.data, curve.model])) / _ROOM_BELOW_DATA,
-        np.nanmax(shown) * 1.5,
+    bottom = np.nanmin(np.concatenate([curve.data, curve.model])) / _ROOM_BELOW_DATA
+    return (
+        (float(np.nanmin(curve.x)) / 1.3, float(np.nanmax(curve.x)) * 1.3),
+        (float(bottom), float(np.nanmax(shown)) * 1.5),
     )
 
 
-def _draw_residuals(axes: Axes, curve: _Curve) -> None:
+def _draw_residuals(axes: Axes, curve: Curve) -> None:
     axes.set_xlabel(curve.x_label)
     axes.set_ylabel("residual [\N{GREEK SMALL LETTER SIGMA}]")
     residual = curve.residual()
     if not np.isfinite(residual).any():
         say_empty(axes)
         return
-    axes.axhspan(-_NORMAL_QUANTILE_95, _NORMAL_QUANTILE_95, color=BAND_COLOUR, linewidth=0)
+    axes.axhspan(-BAND_95, BAND_95, color=BAND_COLOUR, linewidth=0)
     axes.axhline(0.0, color="black", linewidth=0.8)
     axes.plot(curve.x, residual, "o", color=DATA_COLOUR, markersize=2.6, markeredgewidth=0)
     limit = max(4.0, 1.15 * float(np.nanmax(np.abs(residual))))

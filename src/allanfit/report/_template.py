@@ -1,9 +1,11 @@
 """Filling in a page: the one place where text becomes HTML, every user's string escaped."""
 
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from typing import Any
 
 from ._errors import report_extra
+from ._plotly import as_script
 from ._units import typeset
 
 
@@ -32,8 +34,18 @@ def render(name: str, *, package: str = "allanfit.report", **context: Any) -> st
     return environment.get_template(name).render(style=style, **context)
 
 
+def live_figures(
+    channel: Mapping[str, Any],
+    figure: Callable[[Mapping[str, Any], str], dict[str, Any] | None],
+    interactive: bool,
+) -> dict[str, Any]:
+    """Both curves of a channel as scripts for plotly, "" for one that has nothing to show."""
+    found = {kind: interactive and figure(channel, kind) for kind in ("allan", "psd")}
+    return {kind: drawn(as_script(each)) if each else "" for kind, each in found.items()}
+
+
 def drawn(element: str) -> Any:
-    """An SVG of ours as part of a page: matplotlib has escaped every user's string in it."""
+    """An SVG or script of ours as part of a page: every user's string in it is escaped."""
     with report_extra():
         from markupsafe import Markup
     return Markup(element)

@@ -1,0 +1,121 @@
+"""A curve with both models for a reader's hand: what `_explain_panels` draws, for plotly."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ._explain_panels import (
+    AFTER,
+    BEFORE,
+    EFFECT_COLOURS,
+    LARGEST_FINE_RATIO,
+    ExplainedCurve,
+    bands,
+    load_explained,
+    ratio_is_linear,
+)
+from ._plotly import layout, line, numbers, points
+
+_EFFECT_DASHES = ("2px,3px", "5px,2px", "9px,3px,2px,3px", "15px,4px")
+
+
+def explained_figure(channel: Mapping[str, Any], kind: str) -> dict[str, Any] | None:
+    """A curve ("allan" or "psd") with both models; None where there are no data.
+
+    What belongs to a model has it as `meta`: "before" or "after".
+    """
+    curve = load_explained(channel, kind)
+    if not np.isfinite(curve.data).any():
+        return None
+    across, along = curve.limits()
+    low, high = curve.ratio_range()
+    fine = {"type": "log", "dtick": "D2" if high / low < LARGEST_FINE_RATIO else 1}
+    scale = {"type": "linear"} if ratio_is_linear(low, high) else fine
+    labels = (curve.x_label, curve.y_label, "recording / model")
+    sheet = layout(labels, across, along, share=0.34, **scale)
+    sheet["shapes"] = [_unity(), *_shades(channel, kind, across)]
+    data = {"name": "recording, 95 % interval", "legendgroup": "data"}
+    traces = [
+        *_band(curve),
+        *_effects(curve, along[0]),
+    ]
+    for rank, key, name, model, look, dash, symbol in (
+        (3, "after", "better model", curve.after, AFTER, "solid", "circle"),
+        (2, "before", "five terms", curve.before, BEFORE, "8px,4px", "diamond-open"),
+    ):
+        if np.isfinite(model).any():
+            drawn = line(curve.x, model, name, name, look["color"], dash)
+            ratio = {
+                "name": f"recording / {name}",
+                "legendgroup": drawn["legendgroup"],
+                "mode": "markers",
+                "x": numbers(curve.x),
+                "y": numbers(curve.data / model),
+                "yaxis": "y2",
+                "marker": {"color": look["color"], "symbol": symbol, "size": 6},
+                "hovertemplate": f"recording / {name} %{{y:.3~g}}<extra></extra>",
+                "showlegend": False,
+            }
+            traces += [{**each, "meta": key, "legendrank": rank} for each in (drawn, ratio)]
+    traces.append({**points(curve.x, curve.data, curve.low, curve.high), **data})
+    return {"data": traces, "layout": sheet}
+
+
+def _unity() -> dict[str, Any]:
+    edge = {"color": "#000", "width": 1}
+    ends = {"x0": 0, "x1": 1, "y0": 1, "y1": 1}
+    return {"yref": "y2", "xref": "paper", **ends, "line": edge, "layer": "below"}
+
+
+def _shades(
+    channel: Mapping[str, Any], kind: str, across: tuple[float, float]
+) -> list[dict[str, Any]]:
+    """Where recording and model differ, over both panels, with the numbers of the table."""
+    left, right = across
+    growth = right / left
+    domain = "tau" if kind == "allan" else "frequency"
+    return [
+        {
+            "xref": "x",
+            "yref": "paper",
+            "x0": left * growth**band.start,
+            "x1": left * growth**band.stop,
+            "y0": 0,
+            "y1": 1,
+            "fillcolor": "rgba(240, 228, 66, 0.4)",
+            "line": {"width": 0},
+            "layer": "below",
+            "label": {"text": band.label, "textposition": "top center", "font": {"weight": "bold"}},
+        }
+        for band in bands(channel, domain, lambda x: np.log(x / left) / np.log(growth), across)
+    ]
+
+
+def _band(curve: ExplainedCurve) -> list[dict[str, Any]]:
+    """Ratios whose 95 % interval holds the model."""
+    finite = np.isfinite(curve.data / curve.high) & np.isfinite(curve.data / curve.low)
+    edge = {
+        "mode": "lines",
+        "x": numbers(curve.x[finite]),
+        "yaxis": "y2",
+        "line": {"width": 0},
+        "hoverinfo": "skip",
+        "showlegend": False,
+    }
+    low, high = ((curve.data / each)[finite] for each in (curve.high, curve.low))
+    return [
+        {**edge, "y": numbers(low)},
+        {**edge, "y": numbers(high), "fill": "tonexty", "fillcolor": "#E6E6E6"},
+    ]
+
+
+def _effects(curve: ExplainedCurve, bottom: float) -> list[dict[str, Any]]:
+    traces = []
+    for index, (name, values) in enumerate(curve.effects.items()):
+        colour = EFFECT_COLOURS[index % len(EFFECT_COLOURS)]
+        dash = _EFFECT_DASHES[index % len(_EFFECT_DASHES)]
+        # A line in one bin has zeros beside it, and would show as no line at all.
+        shown = np.where(np.isfinite(values), values, bottom / 1e3)
+        traces.append({**line(curve.x, shown, name, name, colour, dash), "meta": "after"})
+    return traces

@@ -1,0 +1,239 @@
+"""The pages in a browser, as a reader has them: nothing here looks at how they are made."""
+
+import json
+import re
+import shutil
+
+import pytest
+from explanation_documents import make_explanation
+
+from allanfit.report import write_explanation, write_page
+
+HOSTILE = (
+    "<img src=x onerror=alert(1)>",
+    "</script><script>alert(2)</script>",
+    "%{x} $a$ <a href='javascript:alert(3)'>b</a>\u2028&lt;b&gt;",
+)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    sync_api = pytest.importorskip("playwright.sync_api", reason="the browser is not needed else")
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        pytest.skip("there is no Chromium on this machine")
+    with sync_api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=chromium)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def fit_file(example, tmp_path_factory):
+    target = tmp_path_factory.mktemp("pages") / "fit.html"
+    write_page({**example, "channels": example["channels"][:2]}, target)
+    return target
+
+
+@pytest.fixture(scope="module")
+def explain_file(example, tmp_path_factory):
+    target = tmp_path_factory.mktemp("pages") / "explain.html"
+    found = make_explanation(example)
+    write_explanation({**found, "channels": found["channels"][:1]}, target)
+    return target
+
+
+@pytest.fixture(scope="module")
+def tabs(browser):
+    """Opened pages by file and options, and what went wrong or was asked of a network."""
+    pages, trouble = {}, []
+
+    def open_file(path, width=1280, **options):
+        key = (path, width, *options)
+        if key not in pages:
+            context = browser.new_context(viewport={"width": width, "height": 900}, **options)
+            page = pages[key] = context.new_page()
+            page.on("console", lambda message: trouble.append(message.text))
+            page.on("pageerror", lambda error: trouble.append(str(error)))
+            page.on("dialog", lambda dialog: (trouble.append(dialog.message), dialog.dismiss()))
+            page.on("request", lambda request: trouble.append(request.url))
+            page.goto(path.as_uri())
+            trouble.remove(path.as_uri())
+            if options.get("java_script_enabled", True):
+                page.locator(".interactive").first.scroll_into_view_if_needed()
+                page.locator(".live .legend").nth(1).wait_for()
+        return pages[key]
+
+    yield open_file, trouble
+    for page in pages.values():
+        page.context.close()
+
+
+@pytest.fixture
+def opened(tabs):
+    """Open a file; a test leaves a page as it found it."""
+    open_file, trouble = tabs
+    yield open_file
+    assert trouble == []
+
+
+def lines(page, figure=0):
+    """The names in the legend of a figure whose lines are shown."""
+    return page.evaluate(
+        "at => document.querySelectorAll('.live')[at].data"
+        ".filter(t => t.showlegend !== false && t.visible !== 'legendonly').map(t => t.name)",
+        figure,
+    )
+
+
+def seen_paths(page):
+    return page.locator(".live").first.locator(".scatterlayer .trace").count()
+
+
+def press_legend(page, name):
+    page.locator(".live").first.locator(".legend .traces").filter(has_text=name).locator(
+        ".legendtoggle"
+    ).click()
+
+
+def under_pointer(page):
+    box = page.locator(".live .nsewdrag").first.bounding_box()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    hover = page.locator(".live .hoverlayer .legend").first
+    hover.wait_for()
+    return hover.text_content()
+
+
+def test_a_press_on_the_legend_hides_a_term_in_both_figures(opened, fit_file):
+    page = opened(fit_file)
+    before = seen_paths(page)
+    assert "K  rate random walk" in lines(page)
+    press_legend(page, "K  rate random walk")
+    page.wait_for_function("document.querySelector('.live').data.some(t => t.visible)")
+    assert lines(page) == lines(page, 1)
+    assert "K  rate random walk" not in lines(page)
+    assert seen_paths(page) == before - 2  # the line and its letter
+    press_legend(page, "K  rate random walk")
+    assert "K  rate random walk" in lines(page)
+    assert seen_paths(page) == before
+
+
+def test_the_pointer_reads_values_and_intervals(opened, fit_file, example):
+    text = under_pointer(opened(fit_file))
+    number = r"(\d[\d.e-]*\d)"
+    found = re.search(
+        rf"τ \[s\]: {number}data {number} \[{number}, {number}\]residual.*K {number}", text
+    )
+    assert found, text
+    tau, value, low, high, walk = map(float, found.groups())
+    curve = example["channels"][0]["curves"]["allan"]
+    at = min(range(len(curve["tau_s"])), key=lambda i: abs(curve["tau_s"][i] - tau))
+    bands = curve["band_95"]
+    truth = (curve["tau_s"][at], curve["deviation"][at], bands[0][at], bands[1][at])
+    assert (tau, value, low, high) == pytest.approx(truth, rel=1e-3)
+    assert walk == pytest.approx(1e-4 * (truth[0] / 3) ** 0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("axis", ["xaxis", "yaxis"])
+def test_axes_are_linear_or_logarithmic(opened, fit_file, axis):
+    page = opened(fit_file)
+    look = "name => [...document.querySelectorAll('.drawn .live')].map(p => p._fullLayout[name]"
+    first = page.evaluate(f"{look}.range)", axis)
+    for kind in ("linear", "log"):
+        page.locator(f"button[data-axis={axis}][data-type={kind}]").first.click()
+        assert page.evaluate(f"{look}.type)", axis)[:2] == [kind, kind]
+        pressed = page.locator(f"button[data-axis={axis}][aria-pressed=true]").first
+        assert pressed.get_attribute("data-type") == kind
+    assert page.evaluate(f"{look}.range)", axis) == first
+
+
+def test_before_and_after(opened, explain_file):
+    page = opened(explain_file)
+    both = lines(page)
+    assert {"five terms", "better model", "gauss markov"} < set(both)
+    page.get_by_role("button", name="before").first.click()
+    assert lines(page) == lines(page, 1) == ["five terms", "recording, 95 % interval"]
+    page.get_by_role("button", name="after").first.click()
+    assert "five terms" not in lines(page)
+    assert {"better model", "sinusoid"} < set(lines(page))
+    page.get_by_role("button", name="both").first.click()
+    assert lines(page) == both
+    assert "recording / better model" in under_pointer(page)
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_page_fits_its_width(opened, fit_file, explain_file, width):
+    for path in (fit_file, explain_file):
+        phone = {"is_mobile": True, "has_touch": True} if width == 390 else {}
+        page = opened(path, width, **phone)
+        inner = page.evaluate("document.documentElement.scrollWidth")
+        assert inner == width
+        assert page.evaluate(
+            "[...document.querySelectorAll('nav, table, p, dl, .live')]"
+            ".every(e => e.scrollWidth <= e.clientWidth + 1)"
+        )
+
+
+def test_print_has_the_drawn_figures(opened, fit_file):
+    page = opened(fit_file)
+    still, live = page.locator(".drawn .still").first, page.locator(".drawn .live").first
+    assert (still.is_visible(), live.is_visible()) == (False, True)
+    page.emulate_media(media="print")
+    assert (still.is_visible(), live.is_visible()) == (True, False)
+    assert not page.locator(".switches").first.is_visible()
+    page.emulate_media(media="screen")
+
+
+def test_without_scripts_the_drawn_figures_stand(opened, fit_file):
+    page = opened(fit_file, java_script_enabled=False)
+    assert page.locator(".still svg").first.is_visible()
+    assert not page.locator(".switches").first.is_visible()
+
+
+def test_no_button_sends_a_figure_away(opened, fit_file):
+    page = opened(fit_file)
+    titles = page.locator(".live .modebar-btn").evaluate_all("all => all.map(b => b.dataset.title)")
+    assert len(titles) == 12
+    assert not [title for title in titles if "loud" in title or "link" in title.lower()]
+
+
+def test_hostile_words_do_nothing_and_stay_as_they_are(opened, example, tmp_path):
+    words = " ".join(HOSTILE)
+    document = json.loads(json.dumps(example))
+    channel = document["channels"][0]
+    document |= {"recording": words, "findings": [words], "channels": [channel]}
+    channel |= {"channel": words, "unit": words, "findings": [words]}
+    channel["coefficients"]["K"]["name"] = words
+    write_page(document, tmp_path / "fit.html")
+    page = opened(tmp_path / "fit.html")
+    under_pointer(page)
+    assert HOSTILE[0] in page.locator(".live .legend").first.text_content()
+    assert HOSTILE[1] in page.locator(".live .ytitle").first.text_content()
+    assert page.locator(".live a, img").count() == 0
+
+    found = make_explanation(example)
+    channel = found["channels"][0]
+    channel |= {"channel": words, "unit": words}
+    for kind in ("allan", "psd"):
+        curve = channel["curves"][kind]
+        curve["effects"] = dict.fromkeys((words, "".join(HOSTILE)), curve["model_after"])
+    write_explanation({**found, "channels": [channel]}, tmp_path / "explain.html")
+    page = opened(tmp_path / "explain.html")
+    text = under_pointer(page)
+    assert all(each.replace("\u2028", "\ufffd") in text for each in HOSTILE)
+    assert page.locator(".live a, img").count() == 0
+
+
+def test_a_script_that_crept_in_would_not_run(browser, fit_file, tmp_path):
+    crept = "<main><script>document.title = 'crept in'</script><img src=x onerror=alert(1)>"
+    file = tmp_path / "crept.html"
+    file.write_text(fit_file.read_text("utf-8").replace("<main>", crept), "utf-8")
+    page = browser.new_page()
+    page.goto(file.as_uri())
+    assert page.title() == "bench <b>3</b>.csv: sensor noise"
+    # Without the policy it would have.
+    file.write_text(f"<title>t</title>{crept}", "utf-8")
+    page.on("dialog", lambda dialog: dialog.dismiss())
+    page.goto(file.as_uri())
+    assert page.title() == "crept in"
+    page.close()
