@@ -28,6 +28,7 @@ from ..identify import RecordingFit, fit_recording
 from ..plan import parse_want, plan_file, plan_text
 from ..recording import load, save
 from ..report import format_text, write_json, write_page
+from ..report._format import printable
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._explain import explain
@@ -254,7 +255,7 @@ def main(argv: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else 1
     except (ValueError, OSError, MemoryError, ImportError) as error:
         # Our own errors are one sentence each; whatever else arrives is made one line.
-        message = " ".join(str(error).split()) or type(error).__name__
+        message = printable(" ".join(str(error).split())) or type(error).__name__
         typer.echo(f"allanfit: {message}", err=True)
         return 1
     return 0

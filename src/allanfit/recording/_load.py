@@ -1,7 +1,6 @@
 """From a file to a checked recording: `load`."""
 
 import hashlib
-import math
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -11,6 +10,7 @@ import numpy as np
 
 from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._csv import read_csv
+from ._files import require_file, too_large
 from ._npz import read_npy, read_npz
 from ._recording import Channel, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
@@ -19,6 +19,8 @@ from ._units import Unit, parse_unit
 
 _READERS = {".csv": read_csv, ".txt": read_csv, ".npy": read_npy, ".npz": read_npz}
 
+# From a clock compared once a week to what no converter reaches.
+_RATES = (1e-6, 1e9)
 _MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)", re.IGNORECASE)),
@@ -122,26 +124,25 @@ def _reader(path: Path) -> Callable[[Path], Table] | None:
 def _read(path: Path) -> Table:
     reader = _reader(path)
     try:
-        if path.is_dir():
-            raise RecordingError(f"{path} is a folder: give the file of a recording.")
-        if not path.exists():
-            raise RecordingError(f"There is no file {path}.")
+        require_file(path)
         if reader is None:
             raise RecordingError(
                 f"{path.name}: the file type '{path.suffix}' is not known; a recording is a .csv, "
                 ".csv.gz, .txt, .npy or .npz file."
             )
-        if path.stat().st_size == 0:
-            raise RecordingError(f"{path.name} is empty.")
         return reader(path)
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror or error}.") from error
+    except MemoryError as error:
+        raise too_large(path) from error
 
 
 def _check_rate(rate_hz: float, origin: str) -> None:
-    if not (math.isfinite(rate_hz) and rate_hz > 0):
+    low, high = _RATES
+    if not low <= rate_hz <= high:
         raise RecordingError(
-            f"A rate is a positive number of samples a second; {origin} is {rate_hz}."
+            f"A rate is a number of samples a second from {low:g} to {high:g}; {origin} is "
+            f"{rate_hz:g}."
         )
 
 
@@ -186,6 +187,7 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
         return Clock(rate_hz, (), ())
     try:
         clock = read_clock(table.columns[stamps], stamps, table.units.get(stamps, ""), rate_hz)
+        _check_rate(clock.rate_hz, "that of the time stamps")
     except RecordingError as error:
         if rate_hz is None:
             raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ._files import refuse_bomb
 from ._recording import RecordingError, Table
 
 # What NumPy and zipfile raise on bytes that are not what they should be.
@@ -19,6 +20,7 @@ _DAMAGE = (
     EOFError,
     OSError,
     MemoryError,
+    OverflowError,
     RuntimeError,
     SyntaxError,
     tokenize.TokenError,
@@ -83,7 +85,10 @@ def _read(path: Path) -> np.ndarray | dict[str, np.ndarray]:
             content = np.load(file, allow_pickle=False)
             if isinstance(content, np.ndarray):
                 return content
+            refuse_bomb(path, sum(member.file_size for member in content.zip.infolist()))
             return {name: np.asarray(content[name]) for name in content.files}
+        except RecordingError:
+            raise
         except _DAMAGE as error:
             raise _damaged(path, error) from error
 
@@ -124,7 +129,7 @@ def _units(path: Path, array: np.ndarray | None) -> dict[str, str]:
         return {}
     try:
         units = json.loads(array.item())
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         units = None
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
         raise RecordingError(

@@ -122,7 +122,7 @@ def parse_unit(name: str) -> Unit:
         return Unit(text, si_unit=text)
     parsed = _parse(text)
     if parsed is None:
-        raise RecordingError(f"The unit '{text}' is not known: give {_KNOWN}.")
+        raise RecordingError(f"The unit {text!r:.60} is not known: give {_KNOWN}.")
     for kind, si_unit, target in _SI:
         if parsed.dimensionality == target.dimensionality:
             factor = _REGISTRY.Quantity(1.0, parsed).to(target).magnitude
