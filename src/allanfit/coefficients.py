@@ -1,13 +1,20 @@
 """Read noise coefficients from a file: JSON of a fit or of explain, or lines of YAML or JSON."""
 
+import json
 import math
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from .physics import SYMBOLS, AbstractEffect, Sampling, effect_from, scaled
+from .recording import RecordingError
+from .recording._files import require_file
+from .recording._units import parse_unit
 
+# The squares of larger ones leave the range of floating point.
+_LARGEST = 1e100
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
 
 
@@ -73,22 +80,73 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
 
 
 def _parse(path: Path) -> Mapping[str, Any]:
-    import yaml  # an extra, needed here alone
-
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+        require_file(path)
+        text = path.read_text(encoding="utf-8-sig")
+    except RecordingError as error:
+        raise CoefficientsError(str(error)) from error
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not text"
         raise CoefficientsError(f"Cannot read coefficients from {path.name}: {reason}.") from error
-    except yaml.YAMLError as error:
+    try:
+        document = _document(text)
+    except _NameTwiceError as error:
         raise CoefficientsError(
-            f"{path.name} is neither JSON nor YAML; give a fit's JSON or lines such as `N: 0.005`."
+            f"{path.name} names {str(error)!r:.60} twice: leave one of them out."
+        ) from error
+    # Whatever a number of 5000 digits or a thousand lists in each other make the parsers raise.
+    except (ValueError, RecursionError) as error:
+        raise CoefficientsError(
+            f"{path.name} is neither JSON nor YAML without anchors; give a fit's JSON or lines such as "
+            "`N: 0.005`."
         ) from error
     if not isinstance(document, Mapping):
         raise CoefficientsError(
             f"{path.name} holds no coefficients; give a fit's JSON or lines such as `N: 0.005`."
         )
-    return document
+    return {str(name): value for name, value in document.items()}
+
+
+class _NameTwiceError(Exception):
+    """A mapping has a name twice, of which parsers would take the last without a word."""
+
+
+def _document(text: str) -> Any:
+    """What JSON says or else YAML, each name once and no part of it used twice.
+
+    **Raises:** `_NameTwiceError`, and `ValueError` or `RecursionError` if it is neither.
+    """
+    try:
+        return json.loads(text, object_pairs_hook=_once)
+    except json.JSONDecodeError:
+        pass
+    import yaml  # an extra, needed here alone
+
+    class Loader(yaml.SafeLoader):
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            # Anchors let a few lines stand for more values than any memory holds.
+            if self.check_event(yaml.AliasEvent):
+                raise ValueError("a part is used twice")
+            return super().compose_node(parent, index)
+
+        def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+            names = [(self.construct_object(key, deep=True), None) for key, _ in node.value]
+            _once([(str(name), value) for name, value in names])
+            return super().construct_mapping(node, deep)
+
+    try:
+        return yaml.load(text, Loader)  # noqa: S506 - a safe one, made stricter
+    except yaml.YAMLError as error:
+        raise ValueError(str(error)) from error
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    known: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in known:
+            raise _NameTwiceError(name)
+        known[name] = value
+    return known
 
 
 def coefficients_of(entry: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -131,15 +189,21 @@ def _from_fit(entry: Any, path: Path) -> Coefficients:
             # Half of all ramps that cannot be seen point the other way.
             if symbol != "R" or terms[symbol]["resolved"]
         }
+        bias = float(entry.get("mean", 0.0))
+        sampling = entry.get("sampling", "point")
+        if not abs(bias) <= _LARGEST or not isinstance(entry["channel"], str):
+            raise TypeError(bias)
         return Coefficients(
             entry["channel"],
-            entry["unit"],
+            _unit(entry["unit"]),
             _checked(values, path),
-            entry.get("sampling", "point"),
-            float(entry.get("mean", 0.0)),
+            _sampling(sampling, path),
+            bias,
             _effects(entry, path),
         )
-    except (KeyError, TypeError) as error:
+    except CoefficientsError:
+        raise
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise CoefficientsError(_INCOMPLETE.format(path.name)) from error
 
 
@@ -150,19 +214,34 @@ def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
             f"{path.name} names {unknown[0]!r}; known are {', '.join(SYMBOLS)}, unit, sampling "
             "and effects."
         )
-    sampling = document.get("sampling", "point")
-    if sampling not in ("point", "averaged"):
-        raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
+    sampling = _sampling(document.get("sampling", "point"), path)
     values = {symbol: document[symbol] for symbol in SYMBOLS if symbol in document}
     if not values:
         raise CoefficientsError(f"{path.name} holds none of the coefficients {', '.join(SYMBOLS)}.")
     return Coefficients(
         "data",
-        str(document.get("unit", "")),
+        _unit(document.get("unit", "")),
         _checked(values, path),
         sampling,
         effects=_effects(document, path),
     )
+
+
+def _unit(name: Any) -> str:
+    """A unit that the recordings made of these coefficients can be read in."""
+    if not isinstance(name, str):
+        name = reprlib.repr(name)
+    try:
+        parse_unit(name)
+    except RecordingError as error:
+        raise CoefficientsError(str(error)) from error
+    return name
+
+
+def _sampling(name: Any, path: Path) -> Sampling:
+    if name not in ("point", "averaged"):
+        raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
+    return name
 
 
 def _effects(entry: Mapping[str, Any], path: Path) -> tuple[AbstractEffect, ...]:
@@ -185,10 +264,11 @@ def _number(symbol: str, value: Any, path: Path) -> float:
     try:
         # YAML takes 5e-3, without a point, for text.
         number = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
-    if not (math.isfinite(number) and number >= 0):
+    if not 0 <= number <= _LARGEST:
         raise CoefficientsError(
-            f"{symbol} in {path.name} must be a number, zero or more; got {value!r}."
+            f"{symbol} in {path.name} must be a number, zero or more and at most {_LARGEST:g}; got "
+            f"{reprlib.repr(value)}."
         )
     return number

@@ -211,7 +211,7 @@ BAD = {
         "a.npz", sparse, "memory"
     ),
     # What is no plain file
-    "a folder": Bad("a.csv", Path.mkdir, "is a folder: give the file"),
+    "a folder": Bad("a.csv", Path.mkdir, "is a folder: give a file"),
     "a link to nothing": Bad("a.csv", lambda p: p.symlink_to(p.with_name("none")), "no file"),
     "a link to a folder": Bad("a.csv", lambda p: p.symlink_to("/tmp"), "is a folder"),
     "links in a ring": Bad("a.csv", ring, "no file|cannot be read"),
@@ -253,6 +253,9 @@ BAD = {
     "a unit of powers": Bad("a.csv", ROWS, "not known", (*RATE, "--unit", "deg**9**9**9/s")),
     "a unit that imports": Bad("a.csv", ROWS, "not known", (*RATE, "--unit", "__import__('os')")),
     "a unit without end": Bad("a.csv", ROWS, "not known", (*RATE, "--unit", "deg/s*" * 10_000)),
+    "a unit of many ways to be none": Bad(
+        "a.csv", ROWS, "not known", (*RATE, "--unit", "_" * 33 + "9")
+    ),
     "a unit in two lines": Bad("a.csv", ROWS, "is not known", (*RATE, "--unit", "deg\n/\x1b[2Js!")),
     "a unit that does not fit": Bad("a.csv", TABLE, "fits none", (*RATE, "--unit", "m/s^2")),
     "a unit that computes in a header": Bad("a.csv", f"x [9**9**9]\n{ROWS}", "is not known"),

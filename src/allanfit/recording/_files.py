@@ -17,7 +17,7 @@ def require_file(path: Path) -> None:
     **Raises** `RecordingError` saying which, and `OSError` when the disk does not answer.
     """
     if path.is_dir():
-        raise RecordingError(f"{path} is a folder: give the file of a recording.")
+        raise RecordingError(f"{path} is a folder: give a file.")
     if not path.exists():
         raise RecordingError(f"There is no file {path}.")
     if not path.is_file():

@@ -56,7 +56,7 @@ _SPELLINGS = (
 )
 
 # The parser evaluates what it is given, so a tower of powers would never end: one digit is plenty.
-_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]+|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d*^]))+")
+_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]++|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d*^]))+")
 
 _KNOWN = (
     "rad/s, deg/s, deg/h, dps, mdps or rpm for an angular rate, m/s^2, g, mg or ug for an "
