@@ -11,18 +11,25 @@ _LAUGHS_AS_VALUE = "N: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
 )
 
 
+def fit_document(*names: str, **changes: object) -> dict[str, object]:
+    """A fit of channels with these names, each changed."""
+    term = {"name": "n", "unit": "deg/s", "value": 1e-3, "resolved": True, "upper_limit_95": 1e-3}
+    channels = [
+        {
+            "channel": name,
+            "unit": "m/s^2" if name.startswith("acc") else "deg/s",
+            "rate_hz": 100.0,
+            "samples": 1000,
+            "coefficients": {s: {**term, "intervals": {"0.95": [0, 1]}} for s in "QNBKR"},
+            **changes,
+        }
+        for name in names
+    ]
+    return {"schema": "allanfit.fit/1", "recording": "r", "channels": channels}
+
+
 def _fit(**changes: object) -> str:
-    """The JSON of a fit of one channel, changed."""
-    term = {"name": "n", "unit": "deg/s", "value": 1e-3, "resolved": True, "upper_limit_95": None}
-    channel = {
-        "channel": "gyro_x",
-        "unit": "deg/s",
-        "rate_hz": 100.0,
-        "samples": 1000,
-        "coefficients": {s: {**term, "intervals": {"0.95": [0, 1]}} for s in "QNBKR"},
-        **changes,
-    }
-    return json.dumps({"schema": "allanfit.fit/1", "recording": "r", "channels": [channel]})
+    return json.dumps(fit_document("gyro_x", **changes))
 
 
 #: What stands in the file, and a pattern of the sentence.

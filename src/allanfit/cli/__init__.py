@@ -33,7 +33,7 @@ from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._explain import explain
 from ._fleet import fleet
-from ._options import Channels, Json, Rate, Sampling, Seed, Unit, refuse_missing_folders
+from ._options import Channels, Json, Rate, Sampling, Seed, Unit, check_targets
 
 app = typer.Typer(
     name="allanfit",
@@ -71,7 +71,7 @@ def fit(
 
     Example: allanfit fit gyro.csv --rate 100 --unit deg/s --report gyro.html
     """
-    refuse_missing_folders(json, report)
+    check_targets((json, report), (recording,))
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
         result = fit_recording(
@@ -108,6 +108,7 @@ def simulate(
 
     Example: allanfit simulate fit.json --duration 3600 --rate 100 --seed 1 --output sim.npz
     """
+    check_targets((output,), (coefficients,))
     columns, units = {}, {}
     for index, entry in enumerate(read_coefficients(coefficients, channel)):
         samples = simulate_series(
@@ -147,7 +148,7 @@ def plan(
 
     Example: allanfit plan fit.json --rate 100 --want N=1%,B=10%,K=30%
     """
-    refuse_missing_folders(json, None)
+    check_targets((json,), (coefficients,))
     found = plan_file(coefficients, rate, parse_want(want), channels=channel, sampling=sampling)
     if json is not None:
         write_json(found.to_dict(), json)
@@ -187,7 +188,7 @@ def export(
 
     Example: allanfit export fit.json --format kalman --output filter.json
     """
-    refuse_missing_folders(output, None)
+    check_targets((output,), (fit,))
     options = Options(axes, band, parse_walk(walk), rostopic)
     exported = export_fit(fit, format, options, channels=channel)
     for warning in exported.warnings:
@@ -255,7 +256,10 @@ def main(argv: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else 1
     except (ValueError, OSError, MemoryError, ImportError) as error:
         # Our own errors are one sentence each; whatever else arrives is made one line.
-        message = printable(" ".join(str(error).split())) or type(error).__name__
+        text = str(error) or type(error).__name__
+        if isinstance(error, OSError) and error.strerror:
+            text = f"{str(error.filename)!r:.80} cannot be used: {error.strerror}."
+        message = printable(" ".join(text.split()))
         typer.echo(f"allanfit: {message}", err=True)
         return 1
     return 0

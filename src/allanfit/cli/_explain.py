@@ -8,7 +8,7 @@ import typer
 
 from ..recording import load
 from ..report import format_explanation, write_explanation, write_json
-from ._options import Channels, Json, Page, Rate, Sampling, Seed, Unit, refuse_missing_folders
+from ._options import Channels, Json, Page, Rate, Sampling, Seed, Unit, check_targets
 from ._progress import channel_by_channel
 
 
@@ -39,7 +39,7 @@ def explain(
     # The stage loads much that the other commands do without.
     from ..explain import explain_recording
 
-    refuse_missing_folders(json, report)
+    check_targets((json, report), (recording, simulation))
     if simulation is not None and not simulation.is_file():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
     found = load(recording, rate_hz=rate, channels=channel, unit=unit)

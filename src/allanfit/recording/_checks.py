@@ -60,7 +60,10 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
         return f"it varies by {range_:.1g} in all, which no sensor can tell"
     steps = np.diff(samples)
     if steps.min() > 0 or steps.max() < 0:
-        return "it changes the same way at every sample, as a counter or time stamps do"
+        return (
+            "it changes the same way at every sample, as a counter or time stamps do, or an angle "
+            "or a velocity that was summed up"
+        )
     return ""
 
 

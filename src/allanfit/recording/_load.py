@@ -11,6 +11,7 @@ import numpy as np
 from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._csv import read_csv
 from ._files import require_file, too_large
+from ._mistakes import about_mistakes
 from ._npz import read_npy, read_npz
 from ._recording import Channel, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
@@ -104,7 +105,7 @@ def load(
         rate_hz=clock.rate_hz,
         channels=tuple(kept),
         auxiliary=auxiliary,
-        findings=(*findings, *about_gravity(kept)),
+        findings=(*findings, *about_gravity(kept), *about_mistakes(kept, clock.rate_hz)),
         checksum=digest.hexdigest(),
         lost=clock.lost,
     )
