@@ -8,7 +8,6 @@ from jaxtyping import Array, Float
 
 from .physics import AbstractEffect, Sampling, draw_recording, standard_model
 
-
 # More than fits the memory of any machine that this runs on.
 _MOST_SAMPLES = 1e11
 

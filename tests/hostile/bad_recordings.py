@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - one case a line reads as the table that it is
 """Recordings that must be refused, and what has to be said: a new format is one more line."""
 
 import gzip
@@ -59,11 +60,13 @@ def claiming(shape: tuple[int, ...], kind: str = "<f8") -> bytes:
 
 def bomb_npz(path: Path) -> None:
     """Hundreds of MB of zeros in a thousandth of that, written without ever holding them."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        with archive.open("gyro_x.npy", "w", force_zip64=True) as member:
-            member.write(claiming((40 << 20,))[:-64])
-            for _ in range(20):
-                member.write(bytes(1 << 24))
+    with (
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("gyro_x.npy", "w", force_zip64=True) as member,
+    ):
+        member.write(claiming((40 << 20,))[:-64])
+        for _ in range(20):
+            member.write(bytes(1 << 24))
 
 
 def bomb_gz(path: Path) -> None:
@@ -152,6 +155,7 @@ BAD = {
     "too few fields": Bad("a.csv", "a,b\n" + "1,2\n3,4\n" * 200 + "5\n6,7\n", "line 402 has 1 field,"),
     "hexadecimal": Bad("a.csv", "0x1F\n0x2A\n" * 300, "no table|not a number"),
     "an open quotation mark": Bad("a.csv", TABLE + '"1.0\n' + ROWS, "quotation mark|not a number"),
+    "a quotation mark at the end": Bad("a.csv", ROWS + '"', "quotation mark"),
     "columns that are alike": Bad("a.csv", "x,x\n" + "1,2\n3,4\n" * 200, "two columns named x"),
     "three header lines": Bad("a.csv", f"Logger\nRun 3\nx\n{ROWS}", "correct it or begin it with #"),
     # Size and shape of the text

@@ -35,6 +35,11 @@ def good(name: str) -> bytes:
     return content if isinstance(content, bytes) else content.encode()
 
 
+def check_sentence(message: str, longest: int) -> None:
+    assert re.search(r"[.!?]$", message), message
+    assert len(message) < longest
+
+
 def read(path) -> None:
     """Read what may be anything; a refusal is a sentence."""
     try:
@@ -43,8 +48,7 @@ def read(path) -> None:
         else:
             load(path, rate_hz=100.0)
     except (RecordingError, CoefficientsError) as error:
-        assert re.search(r"[.!?]$", str(error)), error
-        assert len(str(error)) < 2000
+        check_sentence(str(error), 2000)
 
 
 @pytest.mark.parametrize("name", SUFFIXES)
@@ -76,7 +80,7 @@ def test_any_unit(name):
     try:
         unit = parse_unit(name)
     except RecordingError as error:
-        assert len(str(error)) < 400
+        check_sentence(str(error), 400)
     else:
         assert np.isfinite(unit.factor)
         assert unit.factor > 0
@@ -99,7 +103,8 @@ def test_any_unit(name):
 def test_tables_written_in_odd_ways_give_the_same_numbers(
     separator, point, end, mark, quoted, header, padding, last, form, blank, seed, tmp_path
 ):
-    if point == separator:
+    # Decimal commas need another separator that is no blank, and are refused without.
+    if separator in ", ":
         point = "."
     quoted = quoted and separator != " "
     values = np.random.default_rng(seed).standard_normal((300, 2)).round(6)

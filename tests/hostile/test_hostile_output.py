@@ -13,8 +13,8 @@ from bad_coefficients import fit_document
 from bad_recordings import TABLE
 from rich.console import Console
 
-from allanfit.cli import main
 from allanfit.cli import _progress as progress
+from allanfit.cli import main
 from allanfit.recording import RecordingError, load, save
 
 #: What a name may try: the terminal, a page, YAML, a shell, a path, a line of its own.
@@ -56,7 +56,8 @@ def commands(tmp_path, recording):
         "explain": (recording, "explain", str(recording), "--rate", "10", "--json"),
         "simulate": (coefficients, "simulate", str(coefficients), "--duration", "1", "--rate", "9",
                      "--output"),
-        "plan": (coefficients, "plan", str(coefficients), "--rate", "9", "--want", "N=1%", "--json"),
+        "plan": (coefficients, "plan", str(coefficients), "--rate", "9", "--want", "N=1%",
+                 "--json"),
         "export": (fit, "export", str(fit), "--format", "yaml", "--output"),
         "rate-table": (table, "calibrate", "rate-table", str(table), "--unit", "rpm", "--json"),
     }  # fmt: skip
@@ -166,7 +167,9 @@ def test_names_in_exports_stay_names(name, tmp_path, capsys):
     path.write_text(json.dumps(document))
     for format_ in ("yaml", "ros", "kalibr", "kalman", "matlab"):
         options = ("--walk", "limit") if format_ in ("ros", "kalibr") else ()
-        assert main(["export", str(path), "--format", format_, "--output", str(target), *options]) == 0
+        assert (
+            main(["export", str(path), "--format", format_, "--output", str(target), *options]) == 0
+        )
         assert capsys.readouterr().err.replace("\n", "").isprintable()
         text = target.read_text()
         assert text.replace("\n", "").isprintable()
@@ -192,8 +195,7 @@ def test_names_in_recordings_come_back_or_are_refused(name, tmp_path):
         try:
             save(path, {name: series}, {name: "deg/s"}, 100.0)
             found = load(path)
-        except RecordingError as error:
-            assert str(error)
+        except RecordingError:
             continue
         np.testing.assert_allclose(found.channels[0].samples / found.channels[0].factor, series)
     assert {each.name for each in tmp_path.iterdir()} <= {"a.npz", "a.csv"}

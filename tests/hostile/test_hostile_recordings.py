@@ -3,7 +3,6 @@
 import re
 
 import pytest
-
 from bad_recordings import BAD, make
 
 

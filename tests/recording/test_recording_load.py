@@ -89,7 +89,7 @@ def test_too_short_says_how_many_are_needed(archive, noise):
 
 @pytest.mark.parametrize("rate_hz", [0.0, -100.0, float("nan"), float("inf")])
 def test_a_rate_is_positive(rate_hz, archive, noise):
-    with pytest.raises(RecordingError, match="from 1e-06 to 1e[+]09; the rate given is"):
+    with pytest.raises(RecordingError, match=r"from 1e-06 to 1e\+09; the rate given is"):
         load(archive(gyro_x=noise[:, 0]), rate_hz=rate_hz)
 
 

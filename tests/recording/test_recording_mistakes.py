@@ -165,9 +165,7 @@ def test_gravity_in_the_gyros(swap, archive, tmp_path):
     names = [*(f"gyro_{k}" for k in "xyz"), *(f"accel_{k}" for k in "xyz")]
     series = [axis / factor for axis in triad("consumer", 5)] + [axis / 100 for axis in gyros]
     units = dict(zip(names, ["deg/s"] * 3 + ["m/s^2"] * 3, strict=True))
-    path = archive(
-        **dict(zip(names, series, strict=True)), units=str(units).replace("'", '"')
-    )
+    path = archive(**dict(zip(names, series, strict=True)), units=str(units).replace("'", '"'))
     findings = load(path).findings
     assert any(f"gravity in {swap}: are the columns" in each for each in findings), findings
 

@@ -53,7 +53,9 @@ def fleet(
             scheduler=scheduler,
             workers=workers,
             begin=lambda recordings: progress.update(bar, total=recordings),
-            done=lambda recording: progress.update(bar, advance=1, description=printable(recording.name)),
+            done=lambda recording: progress.update(
+                bar, advance=1, description=printable(recording.name)
+            ),
         )
         progress.update(bar, description="comparing")
         comparison = compare(run.rows)

@@ -51,7 +51,10 @@ def usable(
 def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
     """Why these usable samples cannot be analysed at all; empty when they can."""
     if samples.size < FEWEST_SAMPLES:
-        return f"it has {count(samples.size, 'usable sample')}, and at least {FEWEST_SAMPLES} are needed"
+        return (
+            f"it has {count(samples.size, 'usable sample')}, and at least {FEWEST_SAMPLES} are "
+            "needed"
+        )
     if samples.min() == samples.max():
         return "it is constant"
     if (largest := np.abs(samples).max()) > _LARGEST:

@@ -22,9 +22,12 @@ _COMMENT = ("#", "%")
 _BRACKETED = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _GROUPED = re.compile(
-    r"[-+]?\d{1,3}(?:(?:[ '\u00a0\u2009\u202f]\d{3})+(?:[.,]\d*)?|(?:,\d{3})+\.\d*|(?:\.\d{3})+,\d*)"
+    r"[-+]?\d{1,3}"
+    r"(?:(?:[ '\u00a0\u2009\u202f]\d{3})+(?:[.,]\d*)?|(?:,\d{3})+\.\d*|(?:\.\d{3})+,\d*)"
 )
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+")
+# The parser panics on some quotation marks, which is no Exception to Python.
+_PARSER = (pl.exceptions.PolarsError, pl.exceptions.PanicException)
 # Enough for any header and the first lines below it.
 _HEAD = 65_536
 _LONGEST_NAME = 1000
@@ -290,13 +293,16 @@ def _parse(file: str, body: bytes, layout: _Layout) -> pl.DataFrame:
         _type(name, field, layout.decimal_comma)
         for name, field in zip(layout.names, layout.first, strict=True)
     ]
+    # On a mark at the very end the parser panics, and says so on its own.
+    if body.count(b'"') % 2:
+        raise _ragged(file, body, layout)
     try:
         frame = read(types)
-    except pl.exceptions.PolarsError:
+    except _PARSER:
         # Once more as text, now only to say where the obstacle is.
         try:
             frame = read([pl.String for _ in types])
-        except pl.exceptions.PolarsError as error:
+        except _PARSER as error:
             raise _ragged(file, body, layout) from error
     if 0 < frame.to_series(-1).null_count() < frame.height:
         _refuse_short(file, body, layout)
