@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 from collections.abc import Sequence
+from os.path import dirname, realpath  # unlike Path.resolve, at peace with rings of links
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Annotated, Literal
@@ -31,7 +32,7 @@ def check_targets(targets: Sequence[str | Path | None], inputs: Sequence[Path | 
     **Raises** `ValueError` for a target in a folder that is not there or cannot be written, one
     that is a folder or one of the `inputs`, and two that are one.
     """
-    read = {path.resolve() for path in inputs if path is not None}
+    read = {realpath(path) for path in inputs if path is not None}
     wanted = [Path(target) for target in targets if target is not None and str(target) != "-"]
     for target in wanted:
         folder = target.parent
@@ -41,16 +42,16 @@ def check_targets(targets: Sequence[str | Path | None], inputs: Sequence[Path | 
             )
         if target.is_dir():
             raise ValueError(f"{target} is a folder: give the name of a file in it.")
-        if target.resolve() in read:
+        if realpath(target) in read:
             raise ValueError(f"{target} is what is read: give another name to write to.")
         # A device is written as it is, any other file by way of a new one beside it.
         if not target.exists() or target.is_file():
             try:
-                TemporaryFile(dir=target.resolve().parent).close()
+                TemporaryFile(dir=dirname(realpath(target))).close()
             except OSError as error:
                 raise ValueError(
                     f"Cannot write {target} ({error.strerror}): give a path in a folder that is "
                     "writable and has space."
                 ) from error
-    if len({target.resolve() for target in wanted}) < len(wanted):
+    if len({realpath(target) for target in wanted}) < len(wanted):
         raise ValueError(f"{wanted[0]} is to be written twice: give each result a name of its own.")
