@@ -1,6 +1,7 @@
 """Read noise coefficients from a file: a fit, an explanation, a data sheet, or lines of YAML."""
 
 import math
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,8 +11,12 @@ from .coefficient_units import UNITS
 from .datasheet import Datasheet, datasheet_from, is_datasheet
 from .mapping_file import read_mapping
 from .physics import SYMBOLS, AbstractEffect, Sampling, effect_from, scaled
+from .recording import RecordingError
+from .recording._units import parse_unit
 
 _HINT = "a fit's JSON, a data sheet, or lines such as `N: 0.005`"
+# The squares of larger ones leave the range of floating point.
+_LARGEST = 1e100
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
 
 
@@ -120,15 +125,21 @@ def _from_fit(entry: Any, path: Path) -> Coefficients:
             # Half of all ramps that cannot be seen point the other way.
             if symbol != "R" or terms[symbol]["resolved"]
         }
+        bias = float(entry.get("mean", 0.0))
+        sampling = entry.get("sampling", "point")
+        if not abs(bias) <= _LARGEST or not isinstance(entry["channel"], str):
+            raise TypeError(bias)
         return Coefficients(
             entry["channel"],
-            entry["unit"],
+            _unit(entry["unit"]),
             _checked(values, path),
-            entry.get("sampling", "point"),
-            float(entry.get("mean", 0.0)),
+            _sampling(sampling, path),
+            bias,
             _effects(entry, path),
         )
-    except (KeyError, TypeError) as error:
+    except CoefficientsError:
+        raise
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise CoefficientsError(_INCOMPLETE.format(path.name)) from error
 
 
@@ -149,19 +160,34 @@ def _from_mapping(document: Mapping[str, Any], path: Path) -> Coefficients:
             f"{path.name} names {unknown[0]!r}; known are {', '.join(SYMBOLS)}, unit, sampling "
             "and effects."
         )
-    sampling = document.get("sampling", "point")
-    if sampling not in ("point", "averaged"):
-        raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
+    sampling = _sampling(document.get("sampling", "point"), path)
     values = {symbol: document[symbol] for symbol in SYMBOLS if symbol in document}
     if not values:
         raise CoefficientsError(f"{path.name} holds none of the coefficients {', '.join(SYMBOLS)}.")
     return Coefficients(
         "data",
-        str(document.get("unit", "")),
+        _unit(document.get("unit", "")),
         _checked(values, path),
         sampling,
         effects=_effects(document, path),
     )
+
+
+def _unit(name: Any) -> str:
+    """A unit that the recordings made of these coefficients can be read in."""
+    if not isinstance(name, str):
+        name = reprlib.repr(name)
+    try:
+        parse_unit(name)
+    except RecordingError as error:
+        raise CoefficientsError(str(error)) from error
+    return name
+
+
+def _sampling(name: Any, path: Path) -> Sampling:
+    if name not in ("point", "averaged"):
+        raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
+    return name
 
 
 def _effects(entry: Mapping[str, Any], path: Path) -> tuple[AbstractEffect, ...]:
@@ -184,10 +210,11 @@ def _number(symbol: str, value: Any, path: Path) -> float:
     try:
         # YAML takes 5e-3, without a point, for text.
         number = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
-    if not (math.isfinite(number) and number >= 0):
+    if not 0 <= number <= _LARGEST:
         raise CoefficientsError(
-            f"{symbol} in {path.name} must be a number, zero or more; got {value!r}."
+            f"{symbol} in {path.name} must be a number, zero or more and at most {_LARGEST:g}; got "
+            f"{reprlib.repr(value)}."
         )
     return number

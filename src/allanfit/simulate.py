@@ -1,11 +1,15 @@
 """Draw recordings from a noise model."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import jax
 from jaxtyping import Array, Float
 
 from .physics import AbstractEffect, Sampling, draw_recording, standard_model
+
+# More than fits the memory of any machine that this runs on.
+_MOST_SAMPLES = 1e11
 
 
 def simulate(
@@ -38,13 +42,14 @@ def simulate(
     >>> simulate({"N": 1e-3}, duration_s=10, rate_hz=100, seed=0).shape
     (1000,)
     """
-    if not (rate_hz > 0 and duration_s > 0):
+    if not (0 < rate_hz < math.inf and 0 < duration_s * rate_hz <= _MOST_SAMPLES):
         raise ValueError(
-            f"duration and rate must be positive; got {duration_s:g} s at {rate_hz:g} Hz"
+            f"duration and rate must be positive and make at most {_MOST_SAMPLES:g} samples; got "
+            f"{duration_s:g} s at {rate_hz:g} Hz."
         )
     samples = round(duration_s * rate_hz)
     if samples < 2:
-        raise ValueError(f"{duration_s:g} s at {rate_hz:g} Hz are {samples} samples; 2 are needed")
+        raise ValueError(f"{duration_s:g} s at {rate_hz:g} Hz are {samples} samples; 2 are needed.")
     negative = [symbol for symbol, value in coefficients.items() if not value >= 0]
     if negative:
         raise ValueError(

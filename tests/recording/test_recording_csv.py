@@ -128,7 +128,7 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
     assert [channel.name for channel in recording.channels] == list(NAMES)
     assert recording.findings[-1] == (
         "The channel channel_1 is left out: it changes the same way at every sample, as a counter "
-        "or time stamps do."
+        "or time stamps do, or an angle or a velocity that was summed up."
     )
 
 
@@ -140,7 +140,7 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
         (HEADER, "holds no table of numbers"),
         ("# only\n# comments\n", "holds no table of numbers"),
         ("<html>\n<p>not found</p>\n</html>\n", "holds no table of numbers"),
-        ("word " * 50_000, "holds no table of numbers"),
+        ("word " * 50_000, "has lines of more than 64 kB: write one sample"),
         (bytes(range(256)) * 20, "is not plain text: a spreadsheet has to be saved as CSV"),
         (f"{HEADER}\n1,2,3\n".encode("utf-16"), "is not plain text"),
         (f"Logger v3\n{HEADER}\n1,2,3\n", "2 lines stand above the numbers, the first 'Logger v3'"),

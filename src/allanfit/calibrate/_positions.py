@@ -11,6 +11,7 @@ from jaxtyping import Float64
 
 from ..recording import Recording, is_recording, load
 from ..recording._csv import read_csv
+from ..recording._files import require_file
 from ..recording._timestamps import is_time
 from ..recording._units import Unit, parse_unit
 from ._still import still_means
@@ -62,10 +63,8 @@ def read_positions(
         own = _unit({}, ("x", "y", "z"), unit)
         return _table("data", ("x", "y", "z"), data, own, reference, ())
     path = Path(data)
-    if path.is_dir() and not is_recording(path):
-        raise ValueError(f"{path} is a folder: give a CSV file.")
-    if not path.exists():
-        raise ValueError(f"There is no file {path}.")
+    if not (path.is_dir() and is_recording(path)):
+        require_file(path)
     table = read_csv(path) if path.name.lower().endswith(_TEXT) else None
     if rate_hz is not None or table is None or any(is_time(name) for name in table.columns):
         found = load(path, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic)

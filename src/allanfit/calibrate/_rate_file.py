@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from ..recording._csv import read_csv
+from ..recording._files import require_file
 from ..recording._units import Unit, parse_unit
 
 _EXAMPLE = "`rate, cw, ccw`, or a pair for each axis, `rate, roll_cw, roll_ccw, ...`"
@@ -88,7 +89,7 @@ def _columns(data: RateData) -> tuple[str, dict[str, np.ndarray], dict[str, str]
             raise ValueError("The columns of a rate table must be equally long.")
     else:
         path = Path(data)
-        _refuse_no_file(path)
+        require_file(path)
         table = read_csv(path)
         if table.findings:
             raise ValueError(f"{path.name}: {table.findings[0]} A rate table holds numbers alone.")
@@ -102,13 +103,6 @@ def _columns(data: RateData) -> tuple[str, dict[str, np.ndarray], dict[str, str]
             )
     lower = {key.strip().lower(): column.astype(np.float64) for key, column in columns.items()}
     return name, lower, {key.strip().lower(): unit for key, unit in units.items()}
-
-
-def _refuse_no_file(path: Path) -> None:
-    if path.is_dir():
-        raise ValueError(f"{path} is a folder: give a CSV file.")
-    if not path.exists():
-        raise ValueError(f"There is no file {path}.")
 
 
 def _unit_of(column: str, stated: str, given: Unit) -> Unit:

@@ -28,7 +28,8 @@ from ..export import export as export_fit
 from ..identify import RecordingFit, fit_recording
 from ..plan import parse_want, plan_file, plan_text
 from ..recording import contents, save
-from ..report import format_text, write_json, write_page
+from ..report import format_text, refuse_other_figures, write_json, write_page
+from ..report._format import printable
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._contents import contents_text
@@ -47,7 +48,7 @@ from ._options import (
     Seed,
     Topic,
     Unit,
-    refuse_missing_folders,
+    check_targets,
 )
 
 app = typer.Typer(
@@ -99,7 +100,9 @@ def fit(
     if list_contents:
         typer.echo(contents_text(contents(recording)))
         return
-    refuse_missing_folders(json, report, figure)
+    if figure is not None:
+        refuse_other_figures(figure)
+    check_targets((json, report, figure), (recording, datasheet))
     sheet = None if datasheet is None else read_datasheet(datasheet)
     found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
@@ -146,6 +149,7 @@ def simulate(
 
     Example: allanfit simulate fit.json --duration 3600 --rate 100 --seed 1 --output sim.npz
     """
+    check_targets((output,), (coefficients,))
     columns, units = {}, {}
     for index, entry in enumerate(read_coefficients(coefficients, channel)):
         samples = simulate_series(
@@ -185,7 +189,7 @@ def plan(
 
     Example: allanfit plan fit.json --rate 100 --want N=1%,B=10%,K=30%
     """
-    refuse_missing_folders(json, None)
+    check_targets((json,), (coefficients,))
     found = plan_file(coefficients, rate, parse_want(want), channels=channel, sampling=sampling)
     if json is not None:
         write_json(found.to_dict(), json)
@@ -225,7 +229,7 @@ def export(
 
     Example: allanfit export fit.json --format kalman --output filter.json
     """
-    refuse_missing_folders(output, None)
+    check_targets((output,), (fit,))
     options = Options(axes, band, parse_walk(walk), rostopic)
     exported = export_fit(fit, format, options, channels=channel)
     for warning in exported.warnings:
@@ -281,7 +285,10 @@ def main(argv: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else 1
     except (ValueError, OSError, MemoryError, ImportError) as error:
         # Our own errors are one sentence each; whatever else arrives is made one line.
-        message = " ".join(str(error).split()) or type(error).__name__
+        text = str(error) or type(error).__name__
+        if isinstance(error, OSError) and error.strerror:
+            text = f"{str(error.filename)!r:.80} cannot be used: {error.strerror}."
+        message = printable(" ".join(text.split()))
         typer.echo(f"allanfit: {message}", err=True)
         return 1
     return 0

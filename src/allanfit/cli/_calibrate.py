@@ -14,17 +14,7 @@ from ..calibrate import (
     write_calibration_page,
 )
 from ..report import write_json
-from ._options import (
-    Channels,
-    Json,
-    Page,
-    Rate,
-    Sampling,
-    Seed,
-    Topic,
-    Unit,
-    refuse_missing_folders,
-)
+from ._options import Channels, Json, Page, Rate, Sampling, Seed, Topic, Unit, check_targets
 
 calibrate_app = typer.Typer(
     help="Bias, scale factor and misalignment, with intervals.", no_args_is_help=True
@@ -57,7 +47,7 @@ def calibrate_up_down(
 
     Example: allanfit calibrate up-down up.csv down.csv --rate 100 --unit m/s^2 --gravity 9.812
     """
-    refuse_missing_folders(json, report)
+    check_targets((json, report), (up, down, noise))
     found = up_down(
         up,
         down,
@@ -92,7 +82,7 @@ def calibrate_rate_table(
 
     Example: allanfit calibrate rate-table table.csv --unit rpm --latitude 52.5
     """
-    refuse_missing_folders(json, report)
+    check_targets((json, report), (table,))
     found = rate_table(table, unit=unit, latitude_deg=latitude, reference=reference)
     _deliver(found, json, report)
 
@@ -120,7 +110,7 @@ def calibrate_multi_position(
 
     Example: allanfit calibrate multi-position means.csv --unit m/s^2 --gravity 9.812
     """
-    refuse_missing_folders(json, report)
+    check_targets((json, report), (positions,))
     found = multi_position(
         positions,
         gravity=gravity,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..report import format_explanation, write_explanation
+from ..report import format_explanation, refuse_other_figures, write_explanation
 from ._deliver import deliver
 from ._options import (
     RECORDING,
@@ -19,7 +19,7 @@ from ._options import (
     Seed,
     Topic,
     Unit,
-    refuse_missing_folders,
+    check_targets,
 )
 from ._progress import channel_by_channel, load_with_progress
 
@@ -54,7 +54,9 @@ def explain(
     # The stage loads much that the other commands do without.
     from ..explain import explain_recording
 
-    refuse_missing_folders(json, report, figure)
+    if figure is not None:
+        refuse_other_figures(figure)
+    check_targets((json, report, figure), (recording, simulation))
     if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
     found = load_with_progress(recording, rate, channel, unit, topic)

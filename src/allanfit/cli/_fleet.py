@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from ..report._format import printable
 from ._options import Channels, Rate, Sampling, Seed, Topic, Unit
 from ._progress import progress_bar
 
@@ -55,7 +56,9 @@ def fleet(
             scheduler=scheduler,
             workers=workers,
             begin=lambda recordings: progress.update(bar, total=recordings),
-            done=lambda recording: progress.update(bar, advance=1, description=recording.name),
+            done=lambda recording: progress.update(
+                bar, advance=1, description=printable(recording.name)
+            ),
         )
         progress.update(bar, description="comparing")
         comparison = compare(run.rows)

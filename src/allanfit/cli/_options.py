@@ -1,11 +1,12 @@
 """Options that several commands share."""
 
+from collections.abc import Sequence
+from os.path import dirname, realpath  # unlike Path.resolve, at peace with rings of links
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Annotated, Literal
 
 import typer
-
-from ..report import refuse_other_figures
 
 RECORDING = "CSV, NPY, NPZ, Parquet, MAT, HDF5, ROS bag, MCAP or ULog file of a still sensor."
 
@@ -45,15 +46,32 @@ Sampling = Annotated[
 ]
 
 
-def refuse_missing_folders(
-    json: str | None, report: Path | None, figure: Path | None = None
-) -> None:
-    """Find out before the work, not after it, that its result has nowhere to go."""
-    if figure is not None:
-        refuse_other_figures(figure)
-    for target in (json, report, figure):
-        if target not in (None, "-") and not Path(target).parent.is_dir():
+def check_targets(targets: Sequence[str | Path | None], inputs: Sequence[Path | None]) -> None:
+    """Find out before the work, not after it, that a result has nowhere to go or does harm there.
+
+    **Raises** `ValueError` for a target in a folder that is not there or cannot be written, one
+    that is a folder or one of the `inputs`, and two that are one.
+    """
+    read = {realpath(path) for path in inputs if path is not None}
+    wanted = [Path(target) for target in targets if target is not None and str(target) != "-"]
+    for target in wanted:
+        folder = target.parent
+        if not folder.is_dir():
             raise ValueError(
-                f"There is no folder {str(Path(target).parent)!r} to write {Path(target).name} "
-                "to; make it first."
+                f"There is no folder {str(folder)!r} to write {target.name} to; make it first."
             )
+        if target.is_dir():
+            raise ValueError(f"{target} is a folder: give the name of a file in it.")
+        if realpath(target) in read:
+            raise ValueError(f"{target} is what is read: give another name to write to.")
+        # A device is written as it is, any other file by way of a new one beside it.
+        if not target.exists() or target.is_file():
+            try:
+                TemporaryFile(dir=dirname(realpath(target))).close()
+            except OSError as error:
+                raise ValueError(
+                    f"Cannot write {target} ({error.strerror}): give a path in a folder that is "
+                    "writable and has space."
+                ) from error
+    if len({realpath(target) for target in wanted}) < len(wanted):
+        raise ValueError(f"{wanted[0]} is to be written twice: give each result a name of its own.")

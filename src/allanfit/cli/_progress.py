@@ -8,13 +8,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from ..recording import Recording, load
+from ..report._format import printable
 
 
 def progress_bar() -> Progress:
     """A bar on stderr that vanishes when it is done; nothing where stderr is no terminal."""
     console = Console(stderr=True)
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
@@ -53,7 +54,7 @@ def channel_by_channel(
         task = progress.add_task("reading", total=channels)
 
         def announce(name: str) -> None:
-            progress.update(task, description=f"{doing} {name}")
+            progress.update(task, description=f"{doing} {printable(name)}")
 
         def done() -> None:
             progress.advance(task)

@@ -9,6 +9,8 @@ from typing import Any
 
 from ..coefficients import coefficients_of, effects_of
 from ..physics import SYMBOLS, AbstractEffect
+from ..recording import RecordingError
+from ..recording._files import require_file
 from ..recording._units import parse_unit
 from ..report._format import printable
 from ._errors import ExportError
@@ -106,10 +108,13 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
     path = Path(path)
     name = printable(path.name)
     try:
+        require_file(path)
         document = json.loads(path.read_text(encoding="utf-8-sig"))
+    except RecordingError as error:
+        raise ExportError(str(error)) from error
     except OSError as error:
         raise ExportError(f"Cannot read {name}: {error.strerror or error}.") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ExportError(_no_fit(name)) from error
     schema = document.get("schema") if isinstance(document, dict) else None
     if not (isinstance(schema, str) and schema.startswith(_SCHEMAS)):
@@ -117,7 +122,7 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
     try:
         found = [_channel(entry) for entry in document["channels"]]
         recording = str(document["recording"])
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise ExportError(
             f"{name} is not a complete fit JSON; write it again with allanfit fit --json or "
             "allanfit explain --json."
@@ -147,7 +152,7 @@ def _channel(entry: Mapping[str, Any]) -> FitChannel:
     if sampling not in ("point", "averaged"):
         raise ValueError(sampling)
     return FitChannel(
-        name=str(entry["channel"]),
+        name=_text(entry["channel"]),
         unit=unit,
         kind=known.kind,
         si_factor=known.factor,
@@ -155,7 +160,7 @@ def _channel(entry: Mapping[str, Any]) -> FitChannel:
         rate_hz=rate_hz,
         samples=round(_positive(samples)),
         sampling=sampling,
-        mean=float(entry.get("mean", 0.0)),
+        mean=_finite(entry.get("mean", 0.0)),
         consistent=entry.get("goodness_of_fit", {}).get("consistent") is not False
         and entry.get("verdict") != "unexplained",
         coefficients={symbol: _coefficient(symbol, terms[symbol]) for symbol in SYMBOLS},
@@ -179,9 +184,22 @@ def _coefficient(symbol: str, entry: Mapping[str, Any]) -> Coefficient:
     )
 
 
-def _not_negative(number: Any) -> float:
+def _text(name: Any) -> str:
+    if not isinstance(name, str):
+        raise TypeError(name)
+    return name
+
+
+def _finite(number: Any) -> float:
     value = float(number)
-    if not (math.isfinite(value) and value >= 0):
+    if not math.isfinite(value):
+        raise ValueError(number)
+    return value
+
+
+def _not_negative(number: Any) -> float:
+    value = _finite(number)
+    if value < 0:
         raise ValueError(number)
     return value
 

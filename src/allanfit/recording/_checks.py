@@ -14,8 +14,9 @@ FEWEST_SAMPLES = 256
 """Below this no noise coefficient can be told from another."""
 
 _GRAVITY = 9.80665
-# The squares of larger ones leave the range of floating point.
+# The squares of larger and smaller ones leave the range of floating point.
 _LARGEST = 1e100
+_SMALLEST = 1e-100
 # As many values tell how coarse the codes are, and they are quick to sort.
 _ENOUGH = 200_000
 # As many samples on one extreme value are no chance.
@@ -50,14 +51,22 @@ def usable(
 def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
     """Why these usable samples cannot be analysed at all; empty when they can."""
     if samples.size < FEWEST_SAMPLES:
-        return f"it has {samples.size} usable samples, and at least {FEWEST_SAMPLES} are needed"
+        return (
+            f"it has {count(samples.size, 'usable sample')}, and at least {FEWEST_SAMPLES} are "
+            "needed"
+        )
     if samples.min() == samples.max():
         return "it is constant"
     if (largest := np.abs(samples).max()) > _LARGEST:
         return f"it holds values as large as {largest:.1g}, which no sensor gives"
+    if (range_ := np.ptp(samples)) < _SMALLEST:
+        return f"it varies by {range_:.1g} in all, which no sensor can tell"
     steps = np.diff(samples)
     if steps.min() > 0 or steps.max() < 0:
-        return "it changes the same way at every sample, as a counter or time stamps do"
+        return (
+            "it changes the same way at every sample, as a counter or time stamps do, or an angle "
+            "or a velocity that was summed up"
+        )
     return ""
 
 

@@ -2,23 +2,36 @@
 
 import csv
 import gzip
+import io
 import re
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import polars as pl
 
+from ._files import refuse_bomb
 from ._recording import RecordingError, Table
 from ._timestamps import is_time
+from ._wording import count
 
 _MISSING = ("", "NA", "N/A", "#N/A", "null", "NULL", "None")
 _COMMENT = ("#", "%")
 BRACKETED = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_GROUPED = re.compile(
+    r"[-+]?\d{1,3}"
+    r"(?:(?:[ '\u00a0\u2009\u202f]\d{3})+(?:[.,]\d*)?|(?:,\d{3})+\.\d*|(?:\.\d{3})+,\d*)"
+)
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+")
+# The parser panics on some quotation marks, which is no Exception to Python.
+_PARSER = (pl.exceptions.PolarsError, pl.exceptions.PanicException)
 # Enough for any header and the first lines below it.
 _HEAD = 65_536
+_LONGEST_NAME = 1000
+_CHUNK = 1 << 24
 # Integers of more digits lose some as floats; time stamps in ns since 1970 have 19.
 _EXACT_DIGITS = 15
 
@@ -60,10 +73,11 @@ def read_csv(path: Path) -> Table:
 
 
 def _text(path: Path) -> bytes:
-    data = path.read_bytes()
-    if path.suffix == ".gz":
+    if path.suffix != ".gz":
+        data = path.read_bytes()
+    else:
         try:
-            data = gzip.decompress(data)
+            data = _unpacked(path)
         except (gzip.BadGzipFile, EOFError, zlib.error) as error:
             raise RecordingError(
                 f"{path.name} is not a complete gzip file: it may be cut off or of another kind."
@@ -71,13 +85,22 @@ def _text(path: Path) -> bytes:
     data = data.removeprefix(b"\xef\xbb\xbf")
     if not data.strip():
         raise RecordingError(f"{path.name} is empty.")
-    if b"\0" in data[:_HEAD]:
+    if b"\0" in data:
         raise RecordingError(
             f"{path.name} is not plain text: a spreadsheet has to be saved as CSV in UTF-8."
         )
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return data
+
+
+def _unpacked(path: Path) -> bytes:
+    text = io.BytesIO()
+    with gzip.open(path) as stream:
+        while chunk := stream.read(_CHUNK):
+            text.write(chunk)
+            refuse_bomb(path, text.tell())
+    return text.getvalue()
 
 
 def _decode(line: bytes) -> str:
@@ -95,11 +118,17 @@ def _layout(file: str, text: bytes) -> _Layout:
     filled = [
         k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_COMMENT)
     ]
+    if len(text) > _HEAD and len(filled) < 2:
+        raise RecordingError(
+            f"{file} has lines of more than {_HEAD // 1024} kB: write one sample of each channel "
+            "in a line, or choose another format for so many channels."
+        )
     if not filled:
         raise RecordingError(f"{file} holds no table of numbers.")
     # The first line may be a header in words, the second is one of numbers in any good file.
     separator = _separator(lines[filled[:2][-1]])
     rows = [_fields(lines[k], separator) for k in filled]
+    _check_digits(file, rows, filled, separator)
     comma = separator != "," and any(
         _DECIMAL_COMMA.fullmatch(field) for row in rows for field in row
     )
@@ -139,7 +168,7 @@ def _separator(line: str) -> str:
 def _fields(line: str, separator: str) -> list[str]:
     if separator == " ":
         # A unit in brackets belongs to the name before it.
-        fields = re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", line)
+        fields = re.findall(r"[^\s\[(]+(?:\s{0,9}[\[(][^\])]{0,80}[\])])?", line)
     else:
         fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
     return [field.strip().strip('"') for field in fields]
@@ -162,6 +191,29 @@ def _check_numbers(where: str, line: str, separator: str) -> None:
         )
 
 
+def _check_digits(file: str, rows: list[list[str]], lines: list[int], separator: str) -> None:
+    """Refuse numbers whose commas, blanks or points do not divide columns from each other.
+
+    A lone comma is a decimal one between other separators; between quotation marks it is not.
+    """
+    for line, row in zip(lines, rows, strict=True):
+        for field in row:
+            if _GROUPED.fullmatch(field) or (separator == "," and _THOUSANDS.fullmatch(field)):
+                raise RecordingError(
+                    f"{file}, line {line + 1}: {field!r:.40} has separators of thousands: write "
+                    "numbers without them."
+                )
+    if separator != "," or any("." in field for row in rows for field in row):
+        return
+    for line, row in zip(lines, rows, strict=True):
+        # No integer is written as -0; what is below 1 often begins so.
+        if len(row) % 2 == 0 and any(field in ("-0", "+0") for field in row[::2]):
+            raise RecordingError(
+                f"{file}, line {line + 1}: {','.join(row)!r:.60} looks like decimal commas between "
+                "commas: write decimal points, or put semicolons between the columns."
+            )
+
+
 def _check_header(where: str, header: list[str], fields: list[str]) -> None:
     if len(header) in (len(fields), len(fields) - (not fields[-1])):
         return
@@ -182,15 +234,19 @@ def _commented(above: list[str], separator: str) -> list[str]:
     return _fields(comments[-1].lstrip().lstrip("".join(_COMMENT)), separator)
 
 
-def _names(file: str, header: list[str], count: int) -> tuple[list[str], dict[str, str]]:
-    """Names of `count` columns and the units that stand in brackets behind them."""
-    if header and len(header) == count - 1:
+def _names(file: str, header: list[str], columns: int) -> tuple[list[str], dict[str, str]]:
+    """Names of `columns` columns and the units that stand in brackets behind them."""
+    if header and len(header) == columns - 1:
         # Lines that end in a separator.
         header = [*header, ""]
-    if len(header) != count:
-        header = ["data"] if count == 1 else [""] * count
+    if len(header) != columns:
+        header = ["data"] if columns == 1 else [""] * columns
     names, units = [], {}
     for position, field in enumerate(header, start=1):
+        if len(field) > _LONGEST_NAME:
+            raise RecordingError(
+                f"{file}: the name of column {position} has {len(field)} characters: shorten it."
+            )
         bracketed = BRACKETED.fullmatch(field)
         name = (bracketed[1] if bracketed else field) or _nameless(position)
         if name in names:
@@ -213,7 +269,7 @@ def _body(text: bytes, layout: _Layout) -> bytes:
     elif b" " in body:
         # White space around a field makes it text to the parser.
         mark = re.escape(layout.separator.encode())
-        body = re.sub(rb"(?m) +(?=%b)|(?<=%b) +|^ +| +$" % (mark, mark), b"", body)
+        body = re.sub(rb"(?m)(?<! ) +(?=%b|$)|(?<=%b) +|^ +" % (mark, mark), b"", body)
     if b"\n\n" in body:
         # A blank line is no sample.
         body = re.sub(rb"\n\n+", b"\n", body)
@@ -237,14 +293,19 @@ def _parse(file: str, body: bytes, layout: _Layout) -> pl.DataFrame:
         _type(name, field, layout.decimal_comma)
         for name, field in zip(layout.names, layout.first, strict=True)
     ]
+    # On a mark at the very end the parser panics, and says so on its own.
+    if body.count(b'"') % 2:
+        raise _ragged(file, body, layout)
     try:
         frame = read(types)
-    except pl.exceptions.PolarsError:
+    except _PARSER:
         # Once more as text, now only to say where the obstacle is.
         try:
             frame = read([pl.String for _ in types])
-        except pl.exceptions.PolarsError as error:
+        except _PARSER as error:
             raise _ragged(file, body, layout) from error
+    if 0 < frame.to_series(-1).null_count() < frame.height:
+        _refuse_short(file, body, layout)
     for position, name in enumerate(layout.names):
         column = frame.to_series(position)
         if column.dtype == pl.String:
@@ -256,22 +317,42 @@ def _parse(file: str, body: bytes, layout: _Layout) -> pl.DataFrame:
             if failed.any() and (types[position] != pl.String or np.mean(failed) < 0.5):
                 row = int(np.argmax(failed))
                 raise RecordingError(
-                    f"{file}, line {layout.line + row}, column {name}: {column[row]!r:.40} is not "
-                    "a number."
+                    f"{file}, line {layout.line + row}, column {name}: "
+                    f"{column[row].strip()[:40]!r} is not a number."
                 )
+            if not failed.any():
+                # Integers too long to be exact, which floats hold as well as they can.
+                frame = frame.with_columns(text.cast(pl.Float64))
     return frame
 
 
 def _ragged(file: str, body: bytes, layout: _Layout) -> RecordingError:
-    count = len(layout.names)
-    for row, line in enumerate(body.split(b"\n")):
-        found = line.count(layout.separator.encode()) + 1
-        if found > count:
-            return RecordingError(
-                f"{file}, line {layout.line + row} has {found} fields, and the first line of "
-                f"numbers has {count}."
-            )
+    for line, found in _lengths(body, layout):
+        if found > len(layout.names):
+            return _other_length(file, line, found, layout)
     return RecordingError(f"{file} has a quotation mark that is not closed.")
+
+
+def _refuse_short(file: str, body: bytes, layout: _Layout) -> None:
+    # Which of its numbers a short line lacks is not known; a logger that was stopped leaves one.
+    for line, found in _lengths(body.rstrip(b"\n").rpartition(b"\n")[0], layout):
+        if found < len(layout.names):
+            raise _other_length(file, line, found, layout)
+
+
+def _lengths(body: bytes, layout: _Layout) -> Iterator[tuple[int, int]]:
+    """The number of each line that holds samples, and how many fields it has."""
+    mark = layout.separator.encode()
+    for row, line in enumerate(body.split(b"\n")):
+        if line and not line.startswith(b"#"):
+            yield layout.line + row, line.count(mark) + 1
+
+
+def _other_length(file: str, line: int, found: int, layout: _Layout) -> RecordingError:
+    return RecordingError(
+        f"{file}, line {line} has {count(found, 'field')}, and the first line of numbers has "
+        f"{len(layout.names)}: correct it or leave it out."
+    )
 
 
 def _type(name: str, field: str, decimal_comma: bool) -> type:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ._csv import read_csv
+from ._files import require_file, too_large
 from ._hdf5 import hdf5_topics, read_hdf5
 from ._mat import mat_topics, read_mat
 from ._npz import read_npy, read_npz
@@ -99,19 +100,19 @@ def _format(path: Path) -> _Format | None:
 def _checked(path: Path, read: Callable[[_Format], _Read]) -> _Read:
     try:
         found = _format(path)
-        if path.is_dir() and found is None:
+        if not path.is_dir():
+            require_file(path)
+        elif found is None:
             raise RecordingError(
                 f"{path} is a folder: give the file of a recording, or a ROS 2 bag."
             )
-        if not path.exists():
-            raise RecordingError(f"There is no file {path}.")
         if found is None:
             raise RecordingError(
                 f"{path.name}: the file type '{path.suffix}' is not known; a recording is a "
                 f"{_KNOWN}, or the folder of a ROS 2 bag."
             )
-        if path.is_file() and path.stat().st_size == 0:
-            raise RecordingError(f"{path.name} is empty.")
         return read(found)
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror or error}.") from error
+    except MemoryError as error:
+        raise too_large(path) from error

@@ -1,7 +1,6 @@
 """From a file to a checked recording: `load`."""
 
 import hashlib
-import math
 import os
 import re
 from collections.abc import Sequence
@@ -11,12 +10,15 @@ import numpy as np
 
 from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
+from ._mistakes import about_mistakes
 from ._recording import Channel, Recording, RecordingError, Table
 from ._ros import Progress
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, is_time, read_clock
 from ._units import Unit, parse_unit
 
+# From a clock compared once a week to what no converter reaches.
+_RATES = (1e-6, 1e9)
 _MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)", re.IGNORECASE)),
@@ -106,16 +108,18 @@ def load(
         rate_hz=clock.rate_hz,
         channels=tuple(kept),
         auxiliary=auxiliary,
-        findings=(*findings, *about_gravity(kept)),
+        findings=(*findings, *about_gravity(kept), *about_mistakes(kept, clock.rate_hz)),
         checksum=digest.hexdigest(),
         lost=clock.lost,
     )
 
 
 def _check_rate(rate_hz: float, origin: str) -> None:
-    if not (math.isfinite(rate_hz) and rate_hz > 0):
+    low, high = _RATES
+    if not low <= rate_hz <= high:
         raise RecordingError(
-            f"A rate is a positive number of samples a second; {origin} is {rate_hz}."
+            f"A rate is a number of samples a second from {low:g} to {high:g}; {origin} is "
+            f"{rate_hz:g}."
         )
 
 
@@ -160,6 +164,7 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
         return Clock(rate_hz, (), ())
     try:
         clock = read_clock(table.columns[stamps], stamps, table.units.get(stamps, ""), rate_hz)
+        _check_rate(clock.rate_hz, "that of the time stamps")
     except RecordingError as error:
         if rate_hz is None:
             raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error

@@ -33,7 +33,7 @@ def units_by_channel(file: str, text: str | np.ndarray | None) -> dict[str, str]
         return {}
     try:
         units = json.loads(text if isinstance(text, str) else text.item())
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         units = None
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
         raise RecordingError(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ._files import refuse_bomb
 from ._names import units_by_channel
 from ._recording import RecordingError, Table
 
@@ -19,6 +20,7 @@ _DAMAGE = (
     EOFError,
     OSError,
     MemoryError,
+    OverflowError,
     RuntimeError,
     SyntaxError,
     tokenize.TokenError,
@@ -82,7 +84,10 @@ def _read(path: Path) -> np.ndarray | dict[str, np.ndarray]:
             content = np.load(file, allow_pickle=False)
             if isinstance(content, np.ndarray):
                 return content
+            refuse_bomb(path, sum(member.file_size for member in content.zip.infolist()))
             return {name: np.asarray(content[name]) for name in content.files}
+        except RecordingError:
+            raise
         except _DAMAGE as error:
             raise _damaged(path, error) from error
 

@@ -1,7 +1,8 @@
 """Write a recording in the formats that are read."""
 
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,7 @@ def save(
     try:
         with replacing(path) as part:
             if path.suffix == ".npz":
+                _refuse_reserved(arrays)
                 text = json.dumps({name: unit for name, unit in units.items() if unit})
                 np.savez(part, **arrays, rate_hz=rate_hz, units=text)  # pyright: ignore[reportArgumentType]
             elif path.suffix == ".npy":
@@ -53,3 +55,12 @@ def save(
             f"Cannot write {path} ({error.strerror or error}): give a path in a folder that "
             "exists, is writable and has space."
         ) from error
+
+
+def _refuse_reserved(names: Iterable[str]) -> None:
+    for name in names:
+        # The last may be taken for a way out of the folder in which an archive is unpacked.
+        if name in ("file", "rate_hz", "units") or ".." in re.split(r"[/\\\\]", name):
+            raise RecordingError(
+                f"An .npz file cannot hold a channel named {name}: rename it, or write .csv."
+            )

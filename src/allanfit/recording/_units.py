@@ -60,7 +60,7 @@ _SPELLINGS = (
 )
 
 # The parser evaluates what it is given, so a tower of powers would never end: one digit is plenty.
-_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]+|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d^]|\*\*))+")
+_PLAUSIBLE = re.compile(r"(?:[A-Za-z_]++|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d^]|\*\*))+")
 
 # Roots of the time units in which noise is quoted, in any spelling: √Hz, sqrt(h), rt-hr, root hour.
 _ROOT = re.compile(
@@ -143,7 +143,7 @@ def parse_unit(name: str) -> Unit:
         return Unit(text, si_unit=text)
     parsed = _parse(text)
     if parsed is None:
-        raise RecordingError(f"The unit '{text}' is not known: give {_KNOWN}.")
+        raise RecordingError(f"The unit {text!r:.60} is not known: give {_KNOWN}.")
     for kind, si_unit, target in _SI:
         if parsed.dimensionality == target.dimensionality:
             factor = _REGISTRY.Quantity(1.0, parsed).to(target).magnitude
