@@ -92,7 +92,7 @@ def test_sheets_that_make_no_sense_are_refused(tmp_path, text, message):
 
 
 def test_a_missing_file_is_told(tmp_path):
-    with pytest.raises(DatasheetError, match=r"Cannot read data sheet from none.yaml"):
+    with pytest.raises(DatasheetError, match=r"There is no file .*none.yaml"):
         allanfit.read_datasheet(tmp_path / "none.yaml")
 
 

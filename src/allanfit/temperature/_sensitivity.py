@@ -1,18 +1,23 @@
 """How far temperature moves a sensor: the function for arrays, and its result."""
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
 from ..curves import as_series, cosine_coefficients, mode_variances, slow_part, unit_scale
 from ..curves._spectrum import ramp_coefficients
 from ..identify._estimate import estimate_from
 from ..identify._fit import Fit
 from ._band import highest_mode
-from ._regression import Modes, effects, explained, share_of_ramp
+from ._regression import Effects, Modes, effects, explained, share_of_ramp
 from ._removal import remove
+
+_Pieces = tuple[Float[Array, " _"], ...]
+_Columns = tuple[Float[Array, "_ two"], ...]
 
 RESOLVED_P = 0.05
 """Below this p-value a sensitivity counts as resolved: its 95 % interval leaves zero out."""
@@ -138,15 +143,11 @@ def temperature_sensitivity(
             "a rate ramp; record while the temperature rises and falls"
         )
     dtype, longest = series.dtype, max(lengths)
-    orders = [min(length - 1, top * length // longest) for length in lengths]
-    columns, pieces = [], []
-    for (start, stop), step, order in zip(stretches, centred, orders, strict=True):
-        pair = jnp.asarray(np.stack([step, step**2], axis=1), dtype)
-        columns.append(jax.vmap(lambda x, m=order: slow_part(x, m), 1, 1)(pair))
-        pieces.append(series[start:stop])
+    orders = tuple(min(length - 1, top * length // longest) for length in lengths)
+    pieces, columns = _pieces(series, stretches, tuple(centred), orders)
     sampling = fit.design.sampling
 
-    def variances(modes: list[int]) -> tuple[Float[Array, "_ terms"], ...]:
+    def variances(modes: Sequence[int]) -> tuple[Float[Array, "_ terms"], ...]:
         return tuple(
             jnp.asarray(mode_variances(length, count, sampling), dtype)
             for length, count in zip(lengths, modes, strict=True)
@@ -161,28 +162,20 @@ def temperature_sensitivity(
     all_variances = variances(ramp_orders)
     power, removed, slopes = _power(fit), fit, jnp.zeros(2)
     for _ in range(_ROUNDS):
-        found = remove(tuple(pieces), tuple(columns), all_variances, fit.design, power)
+        found = remove(pieces, columns, all_variances, fit.design, power)
         # On the host, as every design is.
         layout = jax.tree.map(np.asarray, found.design)
         estimate = estimate_from(found.statistics, layout, dt, key)
         removed = Fit(estimate, layout, fit.rate_hz)
         power, slopes = _power(removed), found.slopes
 
-    modes = _modes(pieces, columns, orders, variances(orders))
     scale = unit_scale(dt).astype(dtype)[:-1]
     step = max(1, len(removed.estimate.draws) // _NOISE_DRAWS)
     powers = (removed.estimate.draws[::step, :-1] / scale) ** 2
-    keys = jax.random.split(key, 3)
-    known = effects(keys[0], modes, powers)
-    alone = effects(keys[1], modes._replace(columns=modes.columns[:, 1:]), powers)
-    order = jnp.concatenate(
-        [jnp.arange(1, n + 1) / length for n, length in zip(orders, lengths, strict=True)]
+    modes = _modes(pieces, columns, orders, variances(orders))
+    known, alone, share, part, chance = _evaluate(
+        modes, powers, slopes, power, lengths, orders, key
     )
-    slow = (order <= _SLOW_MODES / longest).astype(dtype)
-    part, chance = explained(keys[2], modes, slow, slopes, power)
-    drift = jnp.zeros(series.shape, dtype)
-    for (start, stop), column in zip(stretches, columns, strict=True):
-        drift = drift.at[start:stop].set(column @ slopes)
     return TemperatureEffect(
         mean_degC=mean,
         low_degC=low,
@@ -191,11 +184,11 @@ def temperature_sensitivity(
         draws_without_ramp=alone.draws,
         p_values=known.p_values,
         p_value=known.p_value,
-        share_of_ramp=share_of_ramp(modes, power),
+        share_of_ramp=share,
         explained=part,
         explained_by_chance=chance,
         shortest_period_s=2 * longest / top * dt,
-        drift=drift,
+        drift=_drift(series, stretches, columns, slopes),
         removed=removed,
     )
 
@@ -226,10 +219,26 @@ def _temperature(
     return [values[start:stop] - mean for start, stop in stretches], mean, low, high
 
 
+@eqx.filter_jit
+def _pieces(
+    series: Float[Array, " samples"],
+    stretches: tuple[tuple[int, int], ...],
+    centred: tuple[Float[Array, " _"] | np.ndarray, ...],
+    orders: tuple[int, ...],
+) -> tuple[_Pieces, _Columns]:
+    """The samples of each stretch, and the slow part of its temperature and of the square."""
+    columns = []
+    for step, order in zip(centred, orders, strict=True):
+        pair = jnp.stack([step, step**2], axis=1).astype(series.dtype)
+        columns.append(jax.vmap(lambda x, m=order: slow_part(x, m), 1, 1)(pair))
+    return tuple(series[start:stop] for start, stop in stretches), tuple(columns)
+
+
+@eqx.filter_jit
 def _modes(
-    pieces: list[Float[Array, " _"]],
-    columns: list[Float[Array, "_ two"]],
-    orders: list[int],
+    pieces: _Pieces,
+    columns: _Columns,
+    orders: tuple[int, ...],
     variances: tuple[Float[Array, "_ terms"], ...],
 ) -> Modes:
     response, regressors = [], []
@@ -239,6 +248,41 @@ def _modes(
         moved = jax.vmap(cosine_coefficients, 1, 1)(column)[:order]
         regressors.append(jnp.concatenate([ramp[:, None], moved], axis=1))
     return Modes(jnp.concatenate(response), jnp.concatenate(regressors), jnp.concatenate(variances))
+
+
+@eqx.filter_jit
+def _evaluate(
+    modes: Modes,
+    powers: Float[Array, "draws terms"],
+    slopes: Float[Array, " two"],
+    power: Float[Array, " terms"],
+    lengths: tuple[int, ...],
+    orders: tuple[int, ...],
+    key: PRNGKeyArray,
+) -> tuple[Effects, Effects, Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
+    """Effects beside a ramp and alone, the ramp's share, what is explained and what by chance."""
+    keys = jax.random.split(key, 3)
+    known = effects(keys[0], modes, powers)
+    alone = effects(keys[1], modes._replace(columns=modes.columns[:, 1:]), powers)
+    order = np.concatenate(
+        [np.arange(1, count + 1) / length for count, length in zip(orders, lengths, strict=True)]
+    )
+    slow = jnp.asarray(order <= _SLOW_MODES / max(lengths), modes.response.dtype)
+    part, chance = explained(keys[2], modes, slow, slopes, power)
+    return known, alone, share_of_ramp(modes, power), part, chance
+
+
+@eqx.filter_jit
+def _drift(
+    series: Float[Array, " samples"],
+    stretches: tuple[tuple[int, int], ...],
+    columns: _Columns,
+    slopes: Float[Array, " two"],
+) -> Float[Array, " samples"]:
+    drift = jnp.zeros(series.shape, series.dtype)
+    for (start, stop), column in zip(stretches, columns, strict=True):
+        drift = drift.at[start:stop].set(column @ slopes)
+    return drift
 
 
 def _power(fit: Fit) -> Float[Array, " terms"]:
