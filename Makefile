@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: demo test check bench
+.PHONY: demo test check bench docs
 
 demo: $(STAMP)
 	$(BIN)/allanfit demo
@@ -18,6 +18,9 @@ check: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m benchmarks
+
+docs: $(STAMP)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 # Pinned dependencies first, so that installing the package itself can change none of them.
 $(STAMP): requirements.txt pyproject.toml

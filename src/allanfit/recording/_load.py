@@ -156,7 +156,7 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
                 " ".join(
                     (
                         f"{path.name} tells no sampling rate, neither by rate_hz nor by time "
-                        "stamps: give it with --rate, in Hz.",
+                        "stamps: give it with --rate, in Hz, or call the time stamps `time`.",
                         *table.findings,
                     )
                 )
