@@ -121,7 +121,7 @@ def _dataset(place: Place, item: Any) -> tuple[list[Leaf], list[str]]:
 
 def _numbers(item: Any, kind: np.dtype, which: Any) -> np.ndarray:
     """An array or a field of it; for what holds no numbers, an array of its shape."""
-    if kind.kind in "iuf":
+    if kind.base.kind in "iuf":
         return np.asarray(item[which])
     # Not read: many long texts may be one in the file.
     return np.broadcast_to(np.empty((), kind), item.shape + kind.shape)

@@ -1,6 +1,6 @@
 """What MAT-files of version 5 claim, found before SciPy takes their word for it.
 
-SciPy crashes on cells nested without end and makes room for whatever a header announces. The
+SciPy crashes on types that do not exist and on cells nested without end, and makes room for whatever a header announces. The
 layout is published: MAT-File Format, The MathWorks, chapter 1.
 """
 
@@ -18,8 +18,11 @@ from ._recording import RecordingError
 
 _HEADER = 128
 _MATRIX, _COMPRESSED = 14, 15
-# Cells, structures and objects.
+# Cells, structures and objects; and those with functions and MATLAB's own.
 _DIVIDED = (1, 2, 3)
+_WITH_PARTS = (*_DIVIDED, 16, 17)
+_CLASSES = range(1, 18)
+_NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
 _LONGEST_SHAPE = 1024
 _DEEPEST = 32
 # Cells and fields become objects, of which each takes a hundred times its bytes in the file.
@@ -96,7 +99,7 @@ class _Check:
                 f"{self.path.name} nests or divides its cells and structures too far to be a "
                 "recording: save arrays of numbers."
             )
-        left, place, divided = size, 0, False
+        left, place, holds = size, 0, 0
         while left > 0:
             kind, small, size = self._tag(take)
             left -= 8
@@ -104,19 +107,21 @@ class _Check:
             if size > left:
                 raise EOFError
             left -= padded
-            if kind == _MATRIX:
+            if kind == _MATRIX and holds in _WITH_PARTS:
                 self._matrix(take, size, depth + 1)
                 take(padded - size, False)
             else:
                 data = small + take(padded, size <= _LONGEST_SHAPE)[:size]
                 if place == 0:
                     (flags,) = struct.unpack_from(f"{self.order}I", data)
-                    divided = flags & 0xFF in _DIVIDED
-                elif place == 1 and divided:
+                    holds = flags & 0xFF
+                elif place == 1 and holds in _DIVIDED:
                     parts = math.prod(np.frombuffer(data, f"{self.order}i4").tolist())
                     # Each takes 8 bytes at the least.
                     if parts > left // 8:
                         raise EOFError
+                if kind not in _NUMBERS or holds not in _CLASSES:
+                    raise ValueError("a part of it is of no known type")
             place += 1
 
 
