@@ -300,6 +300,8 @@ BAD = {
     "cells without number": Bad("a.mat", mat5(matrix(1, (1 << 30, 1))), "not a MAT-file that can"),
     "a structure of many": Bad("a.mat", mat5(matrix(2, (1 << 15, 1 << 15), element(5, struct.pack("<i", 8)), element(1, b"a".ljust(8, b"\0")))), "not a MAT-file that can"),
     "a header of version 4 that lies": Bad("a.mat", struct.pack("<5i", 0, 1 << 30, 1 << 30, 0, 2) + b"x\0" + bytes(99), "swells|not a MAT-file"),
+    "a variable without numbers": Bad("a.mat", mat5(matrix(1, (1, 2), matrix(6, (1, 1)), matrix(6, (1, 1), element(9, bytes(8))))), "a part of it is missing"),
+    "numbers of no type": Bad("a.mat", mat5(matrix(6, (1, 1), element(8, bytes(8)))), "of no known type"),
     # Bombs
     "a parquet that swells": Bad("a.parquet", bomb_parquet, "swells"),
     "a text said often": Bad("a.parquet", bomb_texts, "is constant"),

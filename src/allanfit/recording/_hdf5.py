@@ -49,10 +49,11 @@ def object_left_out(name: str, kind: str) -> str:
 def _tree(path: Path) -> Tree:
     with needs("allanfit[io]", "HDF5 files", RecordingError):
         import h5py
+        from h5py import h5o
     leaves: list[Leaf] = []
     findings: list[str] = []
     with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
-        items = dict(_items(h5py, (), file, {h5py.h5o.get_info(file.id).addr}))
+        items = dict(_items((), file, {h5o.get_info(file.id).addr}))
         datasets = {at: item for at, item in items.items() if isinstance(item, h5py.Dataset)}
         refuse_bomb(path, sum(item.nbytes for item in datasets.values()))
         for place, item in ({(): file} | items).items():
@@ -64,8 +65,11 @@ def _tree(path: Path) -> Tree:
     return Tree(tuple(leaves), tuple(findings))
 
 
-def _items(h5py: Any, place: Place, group: Any, known: set[int]) -> Iterator[tuple[Place, Any]]:
+def _items(place: Place, group: Any, known: set[int]) -> Iterator[tuple[Place, Any]]:
     """Groups and arrays in a group and below, each once, however many names it has."""
+    import h5py
+    from h5py import h5o
+
     if len(place) > _DEEPEST:
         raise RecordingError(
             f"{Path(group.file.filename).name} nests its groups too deep to be a recording."
@@ -76,13 +80,13 @@ def _items(h5py: Any, place: Place, group: Any, known: set[int]) -> Iterator[tup
         if not own or (not place and name in _INTERNAL):
             continue
         item = group[name]
-        address = h5py.h5o.get_info(item.id).addr
+        address = h5o.get_info(item.id).addr
         if address in known:
             continue
         known.add(address)
         yield (*place, name), item
         if isinstance(item, h5py.Group):
-            yield from _items(h5py, (*place, name), item, known)
+            yield from _items((*place, name), item, known)
 
 
 def _attributes(place: Place, item: Any) -> list[Leaf]:

@@ -1,7 +1,7 @@
 """What MAT-files of version 5 claim, found before SciPy takes their word for it.
 
-SciPy crashes on types that do not exist and on cells nested without end, and makes room for whatever a header announces. The
-layout is published: MAT-File Format, The MathWorks, chapter 1.
+SciPy crashes on types that do not exist and on cells nested without end, and makes room for
+whatever a header announces. The layout is published: MAT-File Format, The MathWorks, chapter 1.
 """
 
 import math
@@ -99,7 +99,7 @@ class _Check:
                 f"{self.path.name} nests or divides its cells and structures too far to be a "
                 "recording: save arrays of numbers."
             )
-        left, place, holds = size, 0, 0
+        left, place, holds, flags = size, 0, 0, 0
         while left > 0:
             kind, small, size = self._tag(take)
             left -= 8
@@ -123,6 +123,15 @@ class _Check:
                 if kind not in _NUMBERS or holds not in _CLASSES:
                     raise ValueError("a part of it is of no known type")
             place += 1
+        # What lacks here SciPy would take from the next variable, and crash on its type.
+        if place and place < _fewest(flags):
+            raise ValueError("a part of it is missing")
+
+
+def _fewest(flags: int) -> int:
+    """How many parts a variable has at the least: flags, shape, name, and what it holds."""
+    holds, imaginary = flags & 0xFF, flags >> 11 & 1
+    return {1: 3, 2: 5, 3: 6, 5: 6 + imaginary, 16: 3, 17: 3}.get(holds, 4 + imaginary)
 
 
 class _Inflated:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +44,7 @@ def refuse_swelling_files(path: Path) -> None:
 
     **Raises** `RecordingError` when they do.
     """
-    from rosbags.rosbag2.storage_mcap import zstd
-
+    zstd = _zstd()
     size = 0
     for file in path.glob("*.zstd") if path.is_dir() else ():
         with zstd.open(file) as stream:
@@ -58,6 +58,8 @@ def chunks_within_bounds(path: Path) -> Iterator[None]:
     """Let rosbags unpack chunks of MCAP to the size that they state, if it is bearable."""
     import lz4.frame
     from rosbags.rosbag2 import storage_mcap
+
+    zstd = _zstd()
 
     before = dict(storage_mcap.DECOMPRESSORS)
     total = 0
@@ -73,7 +75,7 @@ def chunks_within_bounds(path: Path) -> Iterator[None]:
 
     storage_mcap.DECOMPRESSORS.update(
         lz4=within(lz4.frame.LZ4FrameDecompressor),
-        zstd=within(storage_mcap.zstd.ZstdDecompressor),
+        zstd=within(zstd.ZstdDecompressor),
     )
     try:
         yield
@@ -83,11 +85,15 @@ def chunks_within_bounds(path: Path) -> Iterator[None]:
 
 def messages_apart(reader: Any) -> Callable[[bytes], bytes]:
     """What unpacks a message, where each is packed for itself; rosbags then leaves it as it is."""
-    from rosbags.rosbag2.storage_mcap import zstd
-
+    zstd = _zstd()
     bag = reader.storage
     if bag.metadata.compression_mode == "message":
         bag.metadata = bag.metadata._replace(compression_mode="packed")
     if bag.metadata.compression_mode == "packed":
         return lambda message: unpacked(message, zstd.ZstdDecompressor(), _LONGEST)
     return lambda message: message
+
+
+def _zstd() -> Any:
+    """The module that rosbags uses: Python's own since 3.14."""
+    return import_module("rosbags.rosbag2.storage_mcap").zstd
