@@ -17,6 +17,7 @@ from pathlib import Path
 
 import atheris  # pyright: ignore[reportMissingImports] - no part of any extra
 import numpy as np
+import polars as pl
 
 with atheris.instrument_imports(include=["allanfit"]):
     from allanfit.calibrate._rate_file import read_rate_table
@@ -32,6 +33,7 @@ READERS = (
     (".yaml", read_coefficients),
     (".table", lambda path: read_rate_table(path, "rpm")),
     (".unit", lambda path: parse_unit(path.read_bytes().decode(errors="replace"))),
+    *((suffix, load) for suffix in (".parquet", ".mat", ".ulg", ".bag", ".mcap", ".db3")),
 )
 
 
@@ -76,7 +78,39 @@ def seeds() -> list[bytes]:
         b"rate,roll_cw,roll_ccw\n10,10.1,-9.9\n20,20.1,-19.9\n",
         b"mdeg/sqrt(h)",
     )
-    return [bytes([k]) + content for k, content in enumerate(files)]
+    return [bytes([k]) + content for k, content in enumerate((*files, *packed(noise)))]
+
+
+def packed(noise: np.ndarray) -> list[bytes]:
+    """The same in the formats of the extra `io`, by the writers that the tests have."""
+    sys.path.append("tests/recording")
+    import scipy.io
+    from recording_files import ROS1, ROS2, SECOND, imu, write_bag, write_ulog
+
+    folder = FOLDER / "written"
+    folder.mkdir()
+    pl.DataFrame({"time_s": np.arange(300) / 100, "gyro_x [deg/s]": noise[:, 0]}).write_parquet(
+        folder / "a.parquet"
+    )
+    structure = {"gyro": noise, "note": "text", "cells": np.array([1, "a"], object)}
+    scipy.io.savemat(folder / "a.mat", {"imu": structure, "fs": 100.0}, do_compression=False)
+    fields = "uint64_t timestamp;float x;float y;float z;float temperature;"
+    rows = [(1000 + 4000 * k, x, y, x, 20.0) for k, (x, y) in enumerate(noise)]
+    write_ulog(folder / "a.ulg", {"sensor_gyro": (fields, rows)})
+    files = [folder / "a.parquet", folder / "a.mat", folder / "a.ulg"]
+    for kind in ("bag", "mcap", "sqlite3"):
+        store = ROS1 if kind == "bag" else ROS2
+        messages = [
+            ("/imu", k * SECOND // 100, imu(store, k * SECOND // 100 + 1, np.resize(row, 6), "imu"))
+            for k, row in enumerate(noise[:20])
+        ]
+        path = write_bag(folder / f"a{'.bag' if kind == 'bag' else f'_{kind}'}", kind, messages)
+        files += (
+            [path]
+            if path.is_file()
+            else [each for each in path.iterdir() if each.suffix != ".yaml"]
+        )
+    return [file.read_bytes() for file in files]
 
 
 def main() -> None:
@@ -86,7 +120,7 @@ def main() -> None:
     start.mkdir()
     for k, seed in enumerate(seeds()):
         (start / str(k)).write_bytes(seed)
-    options = ["-timeout=10", "-rss_limit_mb=2048", "-max_len=16384", *sys.argv[1:], str(start)]
+    options = ["-timeout=10", "-rss_limit_mb=2048", "-max_len=65536", *sys.argv[1:], str(start)]
     atheris.Setup([sys.argv[0], *options], one)
     atheris.Fuzz()
 

@@ -215,7 +215,7 @@ BAD = {
         "a.npz", sparse, "memory"
     ),
     # What is no plain file
-    "a folder": Bad("a.csv", Path.mkdir, "is a folder: give a file"),
+    "a folder": Bad("a.csv", Path.mkdir, "is a folder: give the file"),
     "a link to nothing": Bad("a.csv", lambda p: p.symlink_to(p.with_name("none")), "no file"),
     "a link to a folder": Bad("a.csv", lambda p: p.symlink_to("/tmp"), "is a folder"),
     "links in a ring": Bad("a.csv", ring, "no file|cannot be read"),

@@ -3,12 +3,16 @@
 import re
 import resource
 import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from allanfit.cli import main
+
+# Where the writers of the formats are.
+sys.path.append(str(Path(__file__).parents[1] / "recording"))
 
 # Refusing takes a fraction of a second; a machine that is busy may take longer.
 _PATIENCE_S = 20

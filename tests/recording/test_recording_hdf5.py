@@ -136,7 +136,7 @@ def test_links_out_of_the_file_are_not_followed(tmp_path, store, noise):
 def test_an_array_beyond_memory(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.create_dataset("gyro_x", (2**50,), "f8", chunks=(1024,), compression="gzip")
-    with pytest.raises(RecordingError, match=r"holds 8\.39e\+06 GiB of numbers"):
+    with pytest.raises(RecordingError, match=r"swells to more than 200 times its size"):
         load(tmp_path / "a.h5", rate_hz=1.0)
 
 

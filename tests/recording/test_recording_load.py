@@ -111,7 +111,7 @@ def test_unknown_endings(name, write):
 def test_missing_files_folders_and_empty_files(tmp_path, write):
     with pytest.raises(RecordingError, match=r"There is no file .*none\.csv"):
         load(tmp_path / "none.csv")
-    with pytest.raises(RecordingError, match="is a folder: give a file"):
+    with pytest.raises(RecordingError, match="is a folder: give the file"):
         load(tmp_path)
     for name in ("empty.csv", "empty.npz", "empty.npy"):
         with pytest.raises(RecordingError, match=rf"{name} is empty"):

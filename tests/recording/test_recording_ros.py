@@ -26,7 +26,7 @@ EXTENSION = {"bag": "still.bag", "sqlite3": "still", "mcap": "still"}
 
 @pytest.fixture
 def rows() -> np.ndarray:
-    return np.random.default_rng(3).standard_normal((400, 6))
+    return 0.01 * np.random.default_rng(3).standard_normal((400, 6))
 
 
 def of_imu(kind, rows, topic="/imu/data", frame="imu_link", stamps=None):

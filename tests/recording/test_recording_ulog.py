@@ -24,7 +24,8 @@ AXES = [f"{name}_{axis}" for name in ("gyro", "accel") for axis in "xyz"]
 
 @pytest.fixture
 def rows() -> np.ndarray:
-    return np.random.default_rng(6).standard_normal((400, 6)).astype(np.float32).astype(float)
+    noise = 0.01 * np.random.default_rng(6).standard_normal((400, 6))
+    return noise.astype(np.float32).astype(float)
 
 
 def combined(rows):
@@ -71,14 +72,14 @@ def test_raw_samples_by_the_handful(tmp_path):
     """Three samples in each message, 1 ms apart, and a fourth place that holds none."""
     codes = np.random.default_rng(7).integers(-900, 900, (150, 3, 3))
     log = [
-        (9, 10_000 + 3000 * k, 1000.0, 0.5, 3, *(v for axis in some.T for v in (*axis, 12345)))
+        (9, 10_000 + 3000 * k, 1000.0, 2**-14, 3, *(v for axis in some.T for v in (*axis, 12345)))
         for k, some in enumerate(codes)
     ]
     path = write_ulog(tmp_path / "log.ulg", {"sensor_gyro_fifo": (FIFO, log)})
     recording = load(path)
     assert (recording.rate_hz, recording.findings) == (1000.0, ())
     for axis, channel in enumerate(recording.channels):
-        np.testing.assert_array_equal(channel.samples, 0.5 * codes[:, :, axis].ravel())
+        np.testing.assert_array_equal(channel.samples, 2**-14 * codes[:, :, axis].ravel())
     assert contents(path)[0].samples == 450
 
 

@@ -1,7 +1,6 @@
 """What keeps damaged and hostile files from ending in a traceback or in all of the memory."""
 
 import io
-import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
@@ -36,22 +35,3 @@ def careful(path: Path, what: str) -> Iterator[None]:
             f"{path.name} is not {what} that can be read{told}: it may be cut off, damaged or of "
             "another kind."
         ) from error
-
-
-def refuse_larger_than_memory(path: Path, size: int) -> None:
-    """Refuse a file by the `size` in bytes that its headers say its numbers take.
-
-    A damaged header, or a file compressed to do harm, may say anything.
-
-    **Raises** `RecordingError` when no machine like this one could hold as much.
-    """
-    try:
-        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):
-        # Not told on this system.
-        return
-    if size > memory:
-        raise RecordingError(
-            f"{path.name} says that it holds {size / 2**30:.3g} GiB of numbers, and this machine "
-            f"has {memory / 2**30:.3g} GiB of memory: cut it into pieces, if that is true."
-        )

@@ -31,18 +31,31 @@ def require_file(path: Path) -> None:
 
 
 def refuse_bomb(path: Path, unpacked: int) -> None:
-    """Stop before `unpacked` bytes, so far or in all, fill the memory from a small file.
+    """Stop before `unpacked` bytes, so far or in all, fill the memory.
 
-    **Raises** `RecordingError` for more than 256 MiB and 200 times the file, which only a file
-    made to do harm needs, and for more than there is memory.
+    A damaged header, or a file compressed to do harm, may announce anything.
+
+    **Raises** `RecordingError` for what swells, and for more than there is memory.
     """
-    if unpacked > _HARMLESS and unpacked > _MOST_TIMES * path.stat().st_size:
+    refuse_swelling(path, unpacked)
+    if unpacked > _memory():
+        raise too_large(path)
+
+
+def refuse_swelling(path: Path, unpacked: int) -> None:
+    """Stop when a file or folder comes to `unpacked` bytes, so far or in all, from few.
+
+    **Raises** `RecordingError` for more than 256 MiB and 200 times its size, which only a file
+    made to do harm needs.
+    """
+    if unpacked <= _HARMLESS:
+        return
+    packed = path.rglob("*") if path.is_dir() else [path]
+    if unpacked > _MOST_TIMES * sum(each.stat().st_size for each in packed if each.is_file()):
         raise RecordingError(
             f"{path.name} swells to more than {_MOST_TIMES} times its size, as no recording does: "
             "if it is one, unpack it yourself and give what comes out."
         )
-    if unpacked > _memory():
-        raise too_large(path)
 
 
 def too_large(path: Path) -> RecordingError:

@@ -3,18 +3,22 @@
 MATLAB's files since version 7.3 are of this kind too, and its own attributes are understood.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..extras import needs
-from ._damage import careful, refuse_larger_than_memory
+from ._damage import careful
+from ._files import refuse_bomb
 from ._names import is_rate, is_unit
 from ._recording import RecordingError, Table
 from ._topics import Topic
 from ._tree import Leaf, Place, Tree, tree_table, tree_topics
 
+# Deeper than anyone nests groups; their paths grow with each.
+_DEEPEST = 32
 # MATLAB keeps there what cells and objects refer to.
 _INTERNAL = ("#refs#", "#subsystem#")
 _MATLAB_NUMBERS = ("double", "single", "int", "uint")
@@ -45,27 +49,44 @@ def object_left_out(name: str, kind: str) -> str:
 def _tree(path: Path) -> Tree:
     with needs("allanfit[io]", "HDF5 files", RecordingError):
         import h5py
+        from h5py import h5o
     leaves: list[Leaf] = []
     findings: list[str] = []
-    datasets: dict[Place, Any] = {}
     with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
-
-        def visit(name: str, item: Any) -> None:
-            place = tuple(name.split("/"))
-            if place[0] not in _INTERNAL:
-                leaves.extend(_attributes(place, item))
-                if isinstance(item, h5py.Dataset):
-                    datasets[place] = item
-
-        leaves += _attributes((), file)
-        # Links to other places and other files are not followed.
-        file.visititems(visit)
-        refuse_larger_than_memory(path, sum(item.nbytes for item in datasets.values()))
+        items = dict(_items((), file, {h5o.get_info(file.id).addr}))
+        datasets = {at: item for at, item in items.items() if isinstance(item, h5py.Dataset)}
+        refuse_bomb(path, sum(item.nbytes for item in datasets.values()))
+        for place, item in ({(): file} | items).items():
+            leaves += _attributes(place, item)
         for place, item in datasets.items():
             read, doubts = _dataset(place, item)
             leaves += read
             findings += doubts
     return Tree(tuple(leaves), tuple(findings))
+
+
+def _items(place: Place, group: Any, known: set[int]) -> Iterator[tuple[Place, Any]]:
+    """Groups and arrays in a group and below, each once, however many names it has."""
+    import h5py
+    from h5py import h5o
+
+    if len(place) > _DEEPEST:
+        raise RecordingError(
+            f"{Path(group.file.filename).name} nests its groups too deep to be a recording."
+        )
+    for name in group:
+        # Links to other places and other files are not followed.
+        own = isinstance(group.get(name, getlink=True), h5py.HardLink)
+        if not own or (not place and name in _INTERNAL):
+            continue
+        item = group[name]
+        address = h5o.get_info(item.id).addr
+        if address in known:
+            continue
+        known.add(address)
+        yield (*place, name), item
+        if isinstance(item, h5py.Group):
+            yield from _items((*place, name), item, known)
 
 
 def _attributes(place: Place, item: Any) -> list[Leaf]:
@@ -86,16 +107,28 @@ def _dataset(place: Place, item: Any) -> tuple[list[Leaf], list[str]]:
     if item.is_virtual or item.external:
         return [], [f"The array {name} is left out: its numbers are in another file."]
     if kind == "char":
-        return [Leaf(place, "".join(map(chr, np.ravel(item[()]))))], []
+        text = np.ravel(item[()]).astype("<u2").tobytes().decode("utf-16-le", errors="replace")
+        return [Leaf(place, text)], []
     if kind and not kind.startswith(_MATLAB_NUMBERS):
         return [], [object_left_out(name, kind)]
     if item.dtype.kind == "O" and item.shape == ():
         return [Leaf(place, _text(item[()]))], []
     unit = next((_text(value) for key, value in item.attrs.items() if is_unit(key)), "")
-    values = np.asarray(item[()])
-    if values.dtype.names is not None:
-        return [Leaf((*place, field), values[field], unit) for field in values.dtype.names], []
-    return [Leaf(place, values, unit)], []
+    if item.dtype.names is not None:
+        fields = {field: item.dtype[field] for field in item.dtype.names}
+        return [
+            Leaf((*place, field), _numbers(item, kind, field), unit)
+            for field, kind in fields.items()
+        ], []
+    return [Leaf(place, _numbers(item, item.dtype, ()), unit)], []
+
+
+def _numbers(item: Any, kind: np.dtype, which: Any) -> np.ndarray:
+    """An array or a field of it; for what holds no numbers, an array of its shape."""
+    if kind.base.kind in "iuf":
+        return np.asarray(item[which])
+    # Not read: many long texts may be one in the file.
+    return np.broadcast_to(np.empty((), kind), item.shape + kind.shape)
 
 
 def _text(value: Any) -> str:

@@ -1,5 +1,6 @@
 """MAT-files: variables and fields of structures, of version 4 to 7.3."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,14 +8,15 @@ from typing import Any
 import numpy as np
 import scipy.io
 
-from ._damage import careful, refuse_larger_than_memory
+from ._damage import careful
+from ._files import refuse_bomb
 from ._hdf5 import hdf5_topics, object_left_out, read_hdf5
+from ._mat5 import check_mat5
 from ._recording import Table
 from ._topics import Topic
 from ._tree import Leaf, Place, Tree, tree_table, tree_topics
 
 _HDF5_SINCE = b"MATLAB 7.3"
-_SIZES = {"double": 8, "single": 4, "int64": 8, "uint64": 8, "int32": 4, "uint32": 4}
 
 
 def read_mat(path: Path, topic: str | None = None) -> Table:
@@ -40,9 +42,9 @@ def _tree(path: Path) -> Tree:
     leaves: list[Leaf] = []
     findings: list[str] = []
     with careful(path, "a MAT-file"):
-        declared = scipy.io.whosmat(path)
-        size = sum(_SIZES.get(kind, 1) * int(np.prod(shape)) for _, shape, kind in declared)
-        refuse_larger_than_memory(path, size)
+        if scipy.io.matlab.matfile_version(path)[0] == 1:
+            check_mat5(path)
+        refuse_bomb(path, sum(8 * math.prod(shape) for _, shape, _ in scipy.io.whosmat(path)))
         content = scipy.io.loadmat(path, simplify_cells=True)
     for place, value in _walk((), content):
         name = "/".join(place)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from ..extras import needs
 from ._csv import BRACKETED
-from ._damage import careful, refuse_larger_than_memory
+from ._damage import careful
+from ._files import refuse_bomb
 from ._names import is_rate, units_by_channel
 from ._recording import RecordingError, Table
 from ._timestamps import is_time
@@ -20,21 +21,32 @@ def read_parquet(path: Path) -> Table:
     with needs("allanfit[io]", "Parquet files", RecordingError):
         import pyarrow as arrow
         import pyarrow.parquet as parquet
+
+    def is_number(kind: arrow.DataType) -> bool:
+        return arrow.types.is_integer(kind) or arrow.types.is_floating(kind)
+
     columns, units, findings = {}, {}, ()
     with careful(path, "a Parquet file"), parquet.ParquetFile(path) as file:
         schema = file.schema_arrow
-        refuse_larger_than_memory(path, 8 * file.metadata.num_rows * len(schema))
-        table = file.read()
-        for field, column in zip(schema, table.columns, strict=True):
+        wanted = [
+            field.name
+            for field in schema
+            if is_number(field.type) or arrow.types.is_timestamp(field.type)
+        ]
+        refuse_bomb(path, 8 * file.metadata.num_rows * len(wanted))
+        # Texts are not unpacked: a few bytes may stand for many that are long and alike.
+        table = file.read(columns=wanted)
+        read = dict(zip(table.column_names, table.columns, strict=True))
+        for field in schema:
             kind = field.type
             bracketed = BRACKETED.fullmatch(field.name)
             name = bracketed[1] if bracketed else field.name
             if name in columns:
                 raise RecordingError(f"{path.name} has two columns named {name}: rename one.")
-            if arrow.types.is_integer(kind) or arrow.types.is_floating(kind):
-                columns[name] = column.to_numpy()
+            if is_number(kind):
+                columns[name] = read[field.name].to_numpy()
             elif arrow.types.is_timestamp(kind) and not any(map(is_time, columns)):
-                columns["time"] = column.cast(arrow.int64()).to_numpy()
+                columns["time"] = read[field.name].cast(arrow.int64()).to_numpy()
                 units["time"] = kind.unit
                 continue
             else:

@@ -12,6 +12,7 @@ from ..extras import needs
 from ._damage import careful
 from ._recording import RecordingError, Table
 from ._ros1 import ros1_counts, ros1_messages, ros1_reader
+from ._ros2 import chunks_within_bounds, messages_apart, refuse_swelling_files, refuse_unfinished
 from ._ros_messages import LAYOUTS, Layout, decode
 from ._topics import Topic, choose_topic
 from ._wording import count
@@ -21,6 +22,8 @@ Progress = Callable[[int, int], None]
 
 # Messages of two minutes or so: enough to be quick, few enough to hold.
 _BLOCK = 32_768
+# Of a message: its numbers take 300 bytes, and the rest is a name.
+_LONGEST = 1 << 16
 _BAG = b"rosbag2_bagfile_information"
 _TYPES = "sensor_msgs/Imu"
 # Messages are late by less than this; further back, a clock was set.
@@ -74,9 +77,15 @@ def read_ros(path: Path, topic: str | None = None, progress: Progress | None = N
 def _opened(path: Path) -> Iterator[Any]:
     with needs("allanfit[io]", "recordings of ROS", RecordingError):
         from rosbags import rosbag2
-    open_bag = ros1_reader if _is_ros1(path) else rosbag2.Reader
-    with careful(path, "a recording of ROS"), open_bag(path) as reader:
-        yield reader
+    with careful(path, "a recording of ROS"):
+        if _is_ros1(path):
+            with ros1_reader(path) as reader:
+                yield reader
+            return
+        refuse_unfinished(path)
+        refuse_swelling_files(path)
+        with chunks_within_bounds(path), rosbag2.Reader(path) as reader:
+            yield reader
 
 
 def _is_ros1(path: Path) -> bool:
@@ -150,6 +159,8 @@ def _decoded(
             block.clear()
 
     for read, (time, message) in enumerate(_messages(reader, topic, ros1), start=1):
+        if len(message) > _LONGEST:
+            raise RecordingError("a message is longer than any of its type")
         times.append(time)
         block.append(message)
         if read % _BLOCK == 0:
@@ -168,7 +179,8 @@ def _messages(reader: Any, topic: Topic, ros1: bool) -> Iterator[tuple[int, byte
     if ros1:
         yield from ros1_messages(reader, {each.id for each in connections})
     else:
-        yield from ((time, message) for _, time, message in reader.messages(connections))
+        unpack = messages_apart(reader)
+        yield from ((time, unpack(message)) for _, time, message in reader.messages(connections))
 
 
 def _held(

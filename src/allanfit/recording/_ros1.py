@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ._recording import RecordingError
+from ._unpack import unpacked_chunk
 
 _LENGTH = struct.Struct("<I").unpack_from
 _TIME = struct.Struct("<II").unpack
@@ -38,7 +39,7 @@ def ros1_messages(reader: Any, connections: set[int]) -> Iterator[tuple[int, byt
     """The time of receipt in ns and the bytes of each message of the `connections`."""
     for position, chunk in reader.chunks.items():
         reader.bio.seek(chunk.datapos)
-        data = chunk.decompressor(reader.bio.read(chunk.datasize))
+        data = unpacked_chunk(reader.path, reader.bio.read(chunk.datasize), chunk.decompressor)
         at = 0
         while at < len(data):
             body = at + 4 + _LENGTH(data, at)[0]
