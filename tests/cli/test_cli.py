@@ -17,10 +17,10 @@ def recording(tmp_path_factory):
     return path
 
 
-def test_fit_writes_table_json_and_page(recording, tmp_path, capsys):
-    target, page = tmp_path / "fit.json", tmp_path / "fit.html"
+def test_fit_writes_table_json_page_and_figures(recording, tmp_path, capsys):
+    target, page, figure = (tmp_path / f"fit.{suffix}" for suffix in ("json", "html", "pdf"))
     arguments = ["fit", str(recording), "--no-posterior", "--json", str(target)]
-    assert main([*arguments, "--report", str(page)]) == 0
+    assert main([*arguments, "--report", str(page), "--figure", str(figure)]) == 0
     out, err = capsys.readouterr()
     assert "angle random walk" in out
     assert "deg/sqrt(h)" in out
@@ -31,7 +31,21 @@ def test_fit_writes_table_json_and_page(recording, tmp_path, capsys):
     assert channel["unit"] == "deg/s"
     assert low < 5e-3 < high * 1.05
     assert "<svg" in page.read_text()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["fit.html", "fit.json"]
+    names = ["fit-psd.pdf", "fit.html", "fit.json", "fit.pdf"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    assert figure.read_bytes().startswith(b"%PDF")
+
+
+def test_a_figure_of_another_format_is_refused_before_the_fit(
+    recording, tmp_path, monkeypatch, capsys
+):
+    def never(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr("allanfit.cli.fit_recording", never)
+    assert main(["fit", str(recording), "--figure", str(tmp_path / "fit.jpg")]) == 1
+    assert "end its name with .pdf, .svg or .png" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_fit_says_whether_a_data_sheet_is_met(recording, tmp_path, capsys):

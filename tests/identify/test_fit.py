@@ -188,8 +188,9 @@ def test_bad_arrays_are_refused(data, rate_hz, message):
         allanfit.fit(data, rate_hz)
 
 
-def test_document_of_an_array():
-    document = allanfit.fit(records(GYRO, 1, 8192, 50.0)[0], 50.0).to_dict("gyro_x", "deg/s")
+def test_document_and_table_of_an_array(monkeypatch):
+    fit = allanfit.fit(records(GYRO, 1, 8192, 50.0)[0], 50.0)
+    document = fit.to_dict("gyro_x", "deg/s")
     (channel,) = document["channels"]
     assert document["schema"] == "allanfit.fit/1"
     assert channel["channel"] == "gyro_x"
@@ -198,3 +199,6 @@ def test_document_of_an_array():
     assert channel["coefficients"]["Q"]["upper_limit_95"] > 0
     sizes = np.round(np.array(channel["curves"]["allan"]["tau_s"]) * 50).astype(int)
     assert {2**k for k in range(12)} <= set(sizes)
+    # A notebook shows each result that ends a cell: no advice for that, which takes seconds.
+    monkeypatch.delattr("allanfit.plan.advice")
+    assert "data, 50 Hz, 2.73 min: 95 % intervals" in fit._repr_html_()

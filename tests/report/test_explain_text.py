@@ -162,6 +162,12 @@ def test_what_is_not_known_is_said_so(explanation):
     assert "after: not known" in text
 
 
+def test_a_great_gain_is_counted_no_further(explanation):
+    channel = explanation["channels"][0]
+    channel["improvement"]["held_out_log_score"] |= {"difference": 4e5, "standard_error": 0.057}
+    assert "over 100 standard errors" in " ".join(format_explanation(explanation).split())
+
+
 def test_lines_are_short(explanation):
     lines = format_explanation(explanation).splitlines()
     assert max(map(len, lines)) <= 100

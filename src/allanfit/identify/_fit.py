@@ -81,17 +81,18 @@ class Fit(eqx.Module):
     def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
         """The fit JSON of one sensor, with the name and unit that its array does not carry."""
         # A document is made of a recording's channel, which knows this class.
-        from ._recording_fit import series_document
+        from ._recording_fit import series_fit
 
-        return series_document(self, channel, unit)
+        return series_fit(self, channel, unit).to_dict()
 
     def _repr_html_(self) -> str:
         """Coefficients with intervals, for a notebook."""
         # Formatting comes after fitting, and is not loaded with it.
-        from ..report import fit_html, fits_html
+        from ..report import fits_html
+        from ._recording_fit import series_fit
 
         if not self.converged.shape:
-            return fit_html(self.to_dict())
+            return series_fit(self)._repr_html_()
         parts = (self.coefficients, self.intervals, self.upper_limits, self.resolved)
         return fits_html(*({s: np.asarray(v).tolist() for s, v in part.items()} for part in parts))
 

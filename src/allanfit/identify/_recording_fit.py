@@ -130,10 +130,9 @@ class ChannelFit:
             {s: (float(low), float(high)) for s, (low, high) in result.intervals.items()},
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """This channel's entry in the fit JSON, in the unit that the user gave."""
+    def table_entry(self) -> dict[str, Any]:
+        """The part of the JSON entry that a table shows; the whole takes seconds to compute."""
         channel, result = self.channel, self.fit
-        factor = channel.factor
         return {
             **channel_header(channel, result),
             "status": "converged" if bool(result.converged) else "the fit did not converge",
@@ -142,8 +141,16 @@ class ChannelFit:
                 "p_value": _number(result.goodness_of_fit),
                 "consistent": bool(result.goodness_of_fit >= _MISFIT),
             },
+            "curves": curves_document(result, channel.factor),
+            "findings": list(self.findings),
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """This channel's entry in the fit JSON, in the unit that the user gave."""
+        channel, result = self.channel, self.fit
+        return {
+            **self.table_entry(),
             "posterior": None if self.posterior is None else self.posterior.to_dict(),
-            "curves": curves_document(result, factor),
             "slope_reading": self._slope_reading(),
             "influence": None
             if self.influence is None
@@ -154,7 +161,6 @@ class ChannelFit:
             "datasheet": None
             if self.datasheet is None
             else datasheet_document(self.datasheet, self.judged),
-            "findings": list(self.findings),
             "advice": list(self.advice),
         }
 
@@ -200,7 +206,8 @@ class RecordingFit:
         # Formatting comes after fitting, and is not loaded with it.
         from ..report import fit_html
 
-        return fit_html(self.to_dict())
+        entries = [channel.table_entry() for channel in self.channels]
+        return fit_html({"findings": self.recording.findings, "channels": entries})
 
 
 def fit_recording(
@@ -292,12 +299,12 @@ def fit(
     return fit_series(data, rate_hz, **options)
 
 
-def series_document(result: Fit, name: str, unit: str) -> dict[str, Any]:
-    """The fit JSON of an array, as that of a recording with one channel."""
+def series_fit(result: Fit, name: str = "data", unit: str = "") -> RecordingFit:
+    """The fit of an array, as that of a recording with one channel."""
     samples = np.zeros(sum(result.design.lengths))
     channel = Channel(name, unit, 1.0, unit, "other", samples, ((0, len(samples)),), ())
     recording = Recording(name, float(result.rate_hz), (channel,), (), (), "")
-    return RecordingFit(recording, (ChannelFit(channel, result, None),)).to_dict()
+    return RecordingFit(recording, (ChannelFit(channel, result, None),))
 
 
 def recording_document(

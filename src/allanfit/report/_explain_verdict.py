@@ -9,6 +9,7 @@ from ._format import Number, beside_error, p_value, significant, with_error
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE = 0.9  # of an effect; below, the sentence says "probably"
 _AGREES = 0.01  # p-value, as for a fit
+_MANY = 100  # standard errors, beyond which their number says nothing
 
 
 class Evidence(NamedTuple):
@@ -37,7 +38,7 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
     start = f"The five-term model {'' if sure else 'probably '}leaves out {left_out}"
     if verdict == "unexplained":
         return f"{start}, and something more that no effect of the catalogue explains."
-    return f"{start}; with {'it' if len(effects) == 1 else 'them'} it describes the recording."
+    return f"{start}; with {'that' if len(effects) == 1 else 'them'} it describes the recording."
 
 
 def chance_sentence(channel: Mapping[str, Any]) -> str:
@@ -109,7 +110,9 @@ def _gain(difference: Number | None, error: Number | None) -> str:
     shown = f"{way} by {with_error(abs(difference), error)}"
     if not error:
         return shown
-    return f"{shown}, {significant(abs(difference) / error, 2)} standard errors"
+    times = abs(difference) / error
+    many = f"over {_MANY}" if times > _MANY else significant(times, 2)
+    return f"{shown}, {many} standard errors"
 
 
 def probability(value: Number | None) -> str:

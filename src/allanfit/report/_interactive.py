@@ -9,7 +9,8 @@ from ._panels import BAND_95, COLOURS, Curve, curve_limits, load_curve
 from ._plotly import layout, line, numbers, plain, points
 
 # Neighbours on the curve differ in their dashes too.
-_DASHES = {"Q": "2px,3px", "N": "9px,4px", "B": "9px,3px,2px,3px", "K": "15px,4px", "R": "5px,2px"}
+_DASHES = {"Q": "4px,3px", "N": "9px,4px", "B": "9px,3px,2px,3px", "K": "15px,4px", "R": "5px,2px"}
+_DOTS = "1px,4px"  # of a term that is not resolved
 _FAR_ENOUGH = 0.5  # decades from a letter to the next line, beyond which more is no better
 
 
@@ -57,10 +58,12 @@ def _terms(
     for symbol, values in curve.terms.items():
         if not np.isfinite(values).any():
             continue
-        doubt = "" if coefficients[symbol]["resolved"] else " (not resolved)"
+        resolved = coefficients[symbol]["resolved"]
+        doubt = "" if resolved else " (not resolved)"
+        dash = _DASHES.get(symbol, "dash") if resolved else _DOTS
         name = f"{symbol}  {coefficients[symbol]['name']}{doubt}"
         colour = COLOURS.get(symbol, "#000")
-        shown = line(curve.x, values, name, symbol, colour, _DASHES.get(symbol, "dot"))
+        shown = line(curve.x, values, name, symbol, colour, dash)
         traces.append(shown)
         place = _emptiest(curve, symbol, along)
         if place is not None:

@@ -6,6 +6,7 @@ from typing import Any
 
 from ._datasheet_rows import sheet_notes, sheet_rows, sheet_title
 from ._errors import report_extra
+from ._explain_words import capitalised
 from ._figures import svg
 from ._files import write_whole
 from ._plotly import scripts
@@ -94,4 +95,8 @@ def _sheet(channel: Mapping[str, Any]) -> dict[str, Any] | None:
     rows = sheet_rows(channel)
     if not rows:
         return None
-    return {"title": sheet_title(channel), "rows": rows, "notes": sheet_notes(channel)}
+    return {
+        "title": sheet_title(channel),
+        "rows": rows,
+        "notes": [capitalised(note) for note in sheet_notes(channel)],
+    }

@@ -202,7 +202,9 @@ def _draw_curve(axes: Axes, curve: Curve, coefficients: Mapping[str, Any]) -> No
     for name, line in lines.items():
         doubt = "" if coefficients[name]["resolved"] else " (not resolved)"
         handles[f"{name}  {coefficients[name]['name']}{doubt}"] = line
-    axes.legend(list(handles.values()), list(handles), loc="best")
+    # A pale ground: where there is no empty corner, the bars of the data lie behind it.
+    frame = {"frameon": True, "framealpha": 0.75, "edgecolor": "none"}
+    axes.legend(list(handles.values()), list(handles), loc="best", **frame)
 
 
 def curve_limits(curve: Curve) -> tuple[tuple[float, float], tuple[float, float]]:
