@@ -3,6 +3,9 @@
 MATLAB's files since version 7.3 are of this kind too, and its own attributes are understood.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +14,14 @@ import numpy as np
 from ..extras import needs
 from ._damage import careful, refuse_larger_than_memory
 from ._names import is_rate, is_unit
-from ._recording import RecordingError, Table
+from ._recording import Block, RecordingError, Table
+from ._timestamps import SHORTEST_STRETCH
 from ._topics import Topic
 from ._tree import Leaf, Place, Tree, tree_table, tree_topics
 
 # MATLAB keeps there what cells and objects refer to.
 _INTERNAL = ("#refs#", "#subsystem#")
+_FEWEST = 1024
 _MATLAB_NUMBERS = ("double", "single", "int", "uint")
 
 
@@ -42,27 +47,63 @@ def object_left_out(name: str, kind: str) -> str:
     )
 
 
-def _tree(path: Path) -> Tree:
+def hdf5_blocks(path: Path, samples: int, topic: str | None = None) -> Iterator[Block]:
+    """The same in blocks of so many samples.
+
+    Arrays that are shorter than the longest are left out.
+    """
+    rows = _rows(path, topic)
+    # A last block must be long enough to tell samples from channels.
+    starts = range(0, max(rows - min(samples, _FEWEST), 1), samples)
+    for start, stop in pairwise([*starts, rows]):
+        yield Block(tree_table(path, _tree(path, (rows, start, stop)), topic), stop, rows)
+
+
+def _rows(path: Path, topic: str | None) -> int:
+    """Samples of the longest array in a file or a group of it."""
+    found = [0]
+    with _opened(path) as file:
+        asked = tuple(part for part in (topic or "").split("/") if part)
+
+        def visit(name: str, item: Any) -> None:
+            place = tuple(name.split("/"))
+            inside = place[: len(asked)] == asked and place[0] not in _INTERNAL
+            if inside and getattr(item, "shape", None):
+                found.append(max(item.shape))
+
+        file.visititems(visit)
+    return max(found)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
     with needs("allanfit[io]", "HDF5 files", RecordingError):
         import h5py
+    with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
+        yield file
+
+
+def _tree(path: Path, rows: tuple[int, int, int] | None = None) -> Tree:
+    """All arrays, or of those with so many rows the rows [start, stop)."""
     leaves: list[Leaf] = []
     findings: list[str] = []
     datasets: dict[Place, Any] = {}
-    with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
+    with _opened(path) as file:
 
         def visit(name: str, item: Any) -> None:
             place = tuple(name.split("/"))
             if place[0] not in _INTERNAL:
                 leaves.extend(_attributes(place, item))
-                if isinstance(item, h5py.Dataset):
+                if hasattr(item, "shape"):
                     datasets[place] = item
 
         leaves += _attributes((), file)
         # Links to other places and other files are not followed.
         file.visititems(visit)
-        refuse_larger_than_memory(path, sum(item.nbytes for item in datasets.values()))
+        if rows is None:
+            refuse_larger_than_memory(path, sum(item.nbytes for item in datasets.values()))
         for place, item in datasets.items():
-            read, doubts = _dataset(place, item)
+            read, doubts = _dataset(place, item, rows)
             leaves += read
             findings += doubts
     return Tree(tuple(leaves), tuple(findings))
@@ -79,7 +120,9 @@ def _attributes(place: Place, item: Any) -> list[Leaf]:
     return found
 
 
-def _dataset(place: Place, item: Any) -> tuple[list[Leaf], list[str]]:
+def _dataset(
+    place: Place, item: Any, rows: tuple[int, int, int] | None
+) -> tuple[list[Leaf], list[str]]:
     name, kind = "/".join(place), _text(item.attrs.get("MATLAB_class", ""))
     if item.shape is None or "MATLAB_empty" in item.attrs:
         return [], []
@@ -92,10 +135,17 @@ def _dataset(place: Place, item: Any) -> tuple[list[Leaf], list[str]]:
     if item.dtype.kind == "O" and item.shape == ():
         return [Leaf(place, _text(item[()]))], []
     unit = next((_text(value) for key, value in item.attrs.items() if is_unit(key)), "")
-    values = np.asarray(item[()])
+    values = np.asarray(item[()] if rows is None else _cut(item, *rows))
     if values.dtype.names is not None:
         return [Leaf((*place, field), values[field], unit) for field in values.dtype.names], []
     return [Leaf(place, values, unit)], []
+
+
+def _cut(item: Any, rows: int, start: int, stop: int) -> np.ndarray:
+    """The asked rows of an array that has as many, all of a small one, and nothing of others."""
+    if rows in item.shape:
+        return item[(slice(None),) * item.shape.index(rows) + (slice(start, stop),)]
+    return item[()] if item.size < SHORTEST_STRETCH else np.empty(0)
 
 
 def _text(value: Any) -> str:

@@ -1,12 +1,15 @@
 """Parquet: a table with a unit in the metadata of a column, or in brackets behind its name."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from ..extras import needs
 from ._csv import BRACKETED
 from ._damage import careful, refuse_larger_than_memory
 from ._names import is_rate, units_by_channel
-from ._recording import RecordingError, Table
+from ._recording import Block, RecordingError, Table
 from ._timestamps import is_time
 
 _UNIT_KEYS = (b"unit", b"units")
@@ -17,38 +20,58 @@ def read_parquet(path: Path) -> Table:
 
     **Raises** `RecordingError` when the file is damaged or two columns have one name.
     """
-    with needs("allanfit[io]", "Parquet files", RecordingError):
+    with _opened(path) as file:
+        refuse_larger_than_memory(path, 8 * file.metadata.num_rows * len(file.schema_arrow))
+        return _table(path, file.read())
+
+
+def parquet_blocks(path: Path, samples: int) -> Iterator[Block]:
+    """The same in blocks of at most so many samples."""
+    with _opened(path) as file:
         import pyarrow as arrow
+
+        read, whole = 0, file.metadata.num_rows
+        for batch in file.iter_batches(samples):
+            read += batch.num_rows
+            yield Block(_table(path, arrow.Table.from_batches([batch])), read, whole)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    with needs("allanfit[io]", "Parquet files", RecordingError):
         import pyarrow.parquet as parquet
-    columns, units, findings = {}, {}, ()
     with careful(path, "a Parquet file"), parquet.ParquetFile(path) as file:
-        schema = file.schema_arrow
-        refuse_larger_than_memory(path, 8 * file.metadata.num_rows * len(schema))
-        table = file.read()
-        for field, column in zip(schema, table.columns, strict=True):
-            kind = field.type
-            bracketed = BRACKETED.fullmatch(field.name)
-            name = bracketed[1] if bracketed else field.name
-            if name in columns:
-                raise RecordingError(f"{path.name} has two columns named {name}: rename one.")
-            if arrow.types.is_integer(kind) or arrow.types.is_floating(kind):
-                columns[name] = column.to_numpy()
-            elif arrow.types.is_timestamp(kind) and not any(map(is_time, columns)):
-                columns["time"] = column.cast(arrow.int64()).to_numpy()
-                units["time"] = kind.unit
-                continue
-            else:
-                findings += (f"The column {name} holds {kind}, no real numbers, and is left out.",)
-            stated = [(field.metadata or {}).get(key) for key in _UNIT_KEYS]
-            unit = next((each.decode() for each in stated if each), bracketed and bracketed[2])
-            if unit:
-                units[name] = unit.strip()
-        metadata = {
-            key.decode(): text.decode(errors="replace")
-            for key, text in (schema.metadata or {}).items()
-        }
-        own = units_by_channel(path.name, metadata.get("units"))
-        rates = [float(text) for key, text in metadata.items() if is_rate(key)]
+        yield file
+
+
+def _table(path: Path, table: Any) -> Table:
+    import pyarrow as arrow
+
+    columns, units, findings = {}, {}, ()
+    schema = table.schema
+    for field, column in zip(schema, table.columns, strict=True):
+        kind = field.type
+        bracketed = BRACKETED.fullmatch(field.name)
+        name = bracketed[1] if bracketed else field.name
+        if name in columns:
+            raise RecordingError(f"{path.name} has two columns named {name}: rename one.")
+        if arrow.types.is_integer(kind) or arrow.types.is_floating(kind):
+            columns[name] = column.to_numpy()
+        elif arrow.types.is_timestamp(kind) and not any(map(is_time, columns)):
+            columns["time"] = column.cast(arrow.int64()).to_numpy()
+            units["time"] = kind.unit
+            continue
+        else:
+            findings += (f"The column {name} holds {kind}, no real numbers, and is left out.",)
+        stated = [(field.metadata or {}).get(key) for key in _UNIT_KEYS]
+        unit = next((each.decode() for each in stated if each), bracketed and bracketed[2])
+        if unit:
+            units[name] = unit.strip()
+    metadata = {
+        key.decode(): text.decode(errors="replace") for key, text in (schema.metadata or {}).items()
+    }
+    own = units_by_channel(path.name, metadata.get("units"))
+    rates = [float(text) for key, text in metadata.items() if is_rate(key)]
     if not columns:
         raise RecordingError(f"{path.name} holds no column of numbers.")
     return Table(columns, own | units, rates[0] if rates else None, findings)
