@@ -175,7 +175,7 @@ def _spline() -> Float[np.ndarray, "spacing 3"]:
     """What a block of samples gives to the place before its own, its own, and the one after."""
     box = np.ones(_SPACING)
     kernel = np.pad(np.convolve(np.convolve(box, box), box) / _SPACING**3, 1)
-    return kernel.reshape(3, _SPACING)[::-1].T
+    return np.ascontiguousarray(kernel.reshape(3, _SPACING)[::-1].T)
 
 
 def _smooth(x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, "places 3"]:

@@ -150,7 +150,7 @@ def _in_slots(
 
 def _ramp(
     part: Part, expected: Float[np.ndarray, "modes terms"]
-) -> tuple[Float[np.ndarray, " modes"], Float[np.ndarray, "modes terms"]]:
+) -> tuple[Float[np.ndarray, " odd"], Float[np.ndarray, "odd terms"]]:
     """The odd coefficients of a ramp, and their variances per unit power."""
     odd = slice(0, 2 * RAMP_MODES, 2)
     ramp = ramp_coefficients(part.samples, part.modes)[odd]

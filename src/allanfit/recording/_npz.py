@@ -7,7 +7,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import IO
+from typing import Any
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def npz_blocks(path: Path, samples: int) -> Iterator[Block]:
             yield Block(_arrays(path, arrays), start + count, rows)
 
 
-def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
+def _header(stream: Any) -> tuple[tuple[int, ...], np.dtype]:
     """The shape and the type of the array that follows."""
     version = np.lib.format.read_magic(stream)
     read = {
