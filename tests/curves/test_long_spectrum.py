@@ -1,12 +1,11 @@
 """The mirror spectrum in one pass against the cosine transform of the whole record."""
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.fft
 
 import allanfit
-from allanfit.curves import LongStatistics, design, statistics
+from allanfit.curves import LongStatistics, design
 from allanfit.curves._long_spectrum import LongSpectrum
 
 SAMPLES = 600_000
@@ -45,8 +44,7 @@ def test_the_design_expects_what_white_noise_shows():
     taken.end_stretch()
     found, layout = taken.value()
     white = 1
-    # One-sided: a white density of N^2 is 2 sigma^2.
-    excess = np.asarray(found.density) / (layout.density[:, white] * 2) - 1
+    excess = np.asarray(found.density) / layout.density[:, white] - 1
     score = excess * np.sqrt(layout.ordinates / 2)
     assert np.max(np.abs(score)) < 4.5
     assert 0.7 < np.mean(score**2) < 1.4
@@ -67,13 +65,19 @@ def test_a_short_record_has_the_statistics_of_the_fit():
     taken.end_stretch()
     found, layout = taken.value()
     expected = design((8192,))
-    whole = statistics((jnp.asarray(x),), expected)
-    np.testing.assert_array_equal(layout.ordinates, expected.ordinates)
-    np.testing.assert_allclose(layout.density, expected.density, rtol=1e-9)
+    coefficients = scipy.fft.dct(x, norm="ortho")[1:]
+    ordinates = 2 * expected.projection[0](coefficients)
+    whole = np.bincount(expected.bin_index[0], ordinates) / expected.ordinates
+    # Edges of wide bins are moved by up to a thousandth.
+    few = expected.ordinates < 100
+    np.testing.assert_array_equal(layout.ordinates[few], expected.ordinates[few])
+    np.testing.assert_allclose(layout.density[few], expected.density[few], rtol=1e-9)
+    np.testing.assert_allclose(found.density[few], whole[few], rtol=1e-6)
+    np.testing.assert_allclose(layout.density, expected.density, rtol=0.01)
+    np.testing.assert_allclose(found.density, whole, rtol=0.02)
+    np.testing.assert_allclose(layout.ramp, expected.ramp, rtol=1e-9)
     np.testing.assert_allclose(layout.ramp_variance, expected.ramp_variance, rtol=1e-9)
-    np.testing.assert_allclose(found.density, whole.density, rtol=1e-6)
-    np.testing.assert_allclose(found.allan, whole.allan, rtol=1e-6)
-    np.testing.assert_allclose(found.odd_modes, whole.odd_modes, rtol=1e-5, atol=1e-4)
+    np.testing.assert_allclose(found.odd_modes[0], coefficients[:64:2], rtol=1e-5, atol=1e-4)
 
 
 def test_curves_of_a_file(tmp_path):
@@ -83,9 +87,9 @@ def test_curves_of_a_file(tmp_path):
     channel = curves["channel_1"]
     x = NOISE[:8192] * np.pi / 180
     sizes = np.rint(channel.tau_s * 50).astype(int)
-    np.testing.assert_allclose(
-        channel.allan_variance, allanfit.allan_variance(x, 50.0, sizes), rtol=1e-6
-    )
+    expected = allanfit.allan_variance(x, 50.0, sizes)
+    np.testing.assert_allclose(channel.allan_variance, expected, rtol=1e-3)
+    np.testing.assert_allclose(channel.allan_variance[sizes < 2048], expected[sizes < 2048], 1e-5)
     total = np.sum(channel.density * channel.ordinates) * 50 / (2 * 8192)
     assert total == pytest.approx(x.var(), rel=2e-3)
     assert any("channel_2 is left out" in finding for finding in curves.findings)

@@ -79,7 +79,7 @@ def in_slots(
 class LongSpectrum:
     """Ordinates of the mirror spectrum [u^2], the ramp taken out, of samples [u] block by block.
 
-    Memory grows by 8 bytes for every 512 samples of a stretch, and hardly with anything else.
+    Memory grows by 24 bytes for every 512 samples of a stretch, and hardly with anything else.
     """
 
     def __init__(self):
