@@ -83,7 +83,7 @@ def test_a_short_record_has_the_statistics_of_the_fit():
 def test_curves_of_a_file(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, np.stack([NOISE[:8192], np.ones(8192)], axis=1))
-    curves = allanfit.curves_of_file(path, rate_hz=50.0, unit="deg/s", block_samples=1000)
+    curves = allanfit.curves_of_file(path, rate_hz=50.0, unit="deg/s", block_samples=2000)
     channel = curves["channel_1"]
     x = NOISE[:8192] * np.pi / 180
     sizes = np.rint(channel.tau_s * 50).astype(int)

@@ -116,6 +116,8 @@ def test_what_has_no_samples_is_refused(tmp_path):
         read_in_blocks(tmp_path / "a.csv", rate_hz=1.0)
     with pytest.raises(RecordingError, match="There is no file"):
         read_in_blocks(tmp_path / "none.csv")
+    with pytest.raises(RecordingError, match="at least 1024"):
+        read_in_blocks(tmp_path / "a.csv", block_samples=0)
     path = tmp_path / "counter.npy"
     np.save(path, np.arange(1000))
     with pytest.raises(RecordingError, match="as a counter"):

@@ -224,8 +224,8 @@ def read_in_blocks(
     """
     if rate_hz is not None:
         check_rate(rate_hz, "the rate given")
-    if block_samples < 1:
-        raise RecordingError(f"A block has at least one sample; got {block_samples}.")
+    if block_samples < CATCH_UP:
+        raise RecordingError(f"Blocks need at least {CATCH_UP} samples; got {block_samples}.")
     if isinstance(channels, str):
         channels = (channels,)
     return Blocks(Path(path), channels, rate_hz, unit, topic, block_samples, progress)
