@@ -44,7 +44,7 @@ def test_fit_in_blocks_says_the_same(recording, tmp_path, capsys):
         found[option] = json.loads(target.read_text())["channels"][0]
     capsys.readouterr()
     blocks, whole = found["--blocks"], found["--no-posterior"]
-    for key in ("unit", "samples", "rate_hz", "advice"):
+    for key in ("unit", "samples", "rate_hz", "status"):
         assert blocks[key] == whole[key]
     assert blocks["mean"] == pytest.approx(whole["mean"])
     for symbol, entry in whole["coefficients"].items():
