@@ -6,6 +6,7 @@ need few positions, are added up on the host.
 
 from collections.abc import Sequence
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
@@ -32,7 +33,7 @@ class LongAllanVariance:
 
     - `cluster_sizes`: increasing positive integers; `allanfit.cluster_sizes(samples)` for the
       record's length. An odd size above 2048 takes all its positions, and so its
-      time, and memory for twice as many samples. Without x64 small sizes are as good as float32.
+      time, and memory for twice as many samples.
 
     **Raises:** `ValueError` for sizes that are not increasing positive integers.
 
@@ -156,7 +157,9 @@ class _Exact:
         return self._sums + last.sums / (2.0 * self.sizes**2), self._positions + last.counts
 
     def _sums_of(self, x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " sizes"]:
-        return np.asarray(overlapping_sums(jnp.asarray(x), jnp.asarray(self.sizes)), np.float64)
+        # In float32 the sums would be carried in pairs, which is slower and less exact.
+        with jax.enable_x64(True):
+            return np.asarray(overlapping_sums(jnp.asarray(x), jnp.asarray(self.sizes)))
 
 
 class _Level:
