@@ -1,6 +1,7 @@
 """Records longer than memory: how fast, how near, and how much room a whole fit takes.
 
     python -m benchmarks.long [--samples 200000000] [--records 60] [--fit 17280000]
+        [--files npy:100000000 csv:10000000 npz:10000000 parquet:10000000 h5:10000000]
 
 Blocks come from a file of float64 that is mapped, as a user's would. What leaving out positions
 does is told in standard errors of the variance, found from as many records.
@@ -18,8 +19,10 @@ from pathlib import Path
 
 import jax
 import numpy as np
+import polars as pl
 
 import allanfit
+from allanfit.curves import LongStatistics, design, statistics
 
 from ._machine import machine
 
@@ -63,6 +66,105 @@ def speed(folder: Path, samples: int) -> dict:
         # Pages of the mapped file among it.
         "rise_of_peak_mib": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024,
     }
+
+
+def whole_file(folder: Path, ending: str, samples: int) -> dict:
+    """Both curves of a file of one channel, in a process of its own, beside reading it alone."""
+    path = folder / f"one.{ending}"
+    _write(path, samples)
+    start = time.perf_counter()
+    with path.open("rb", buffering=0) as file:
+        while file.read(1 << 24):
+            pass
+    bytes_alone = time.perf_counter() - start
+    found = {}
+    for name, work in (
+        ("blocks_alone", "sum(run.samples.size for run in read_in_blocks(path, **given))"),
+        ("curves", "curves_of_file(path, **given)"),
+    ):
+        code = (
+            "import resource, sys, time\n"
+            "from allanfit import curves_of_file\n"
+            "from allanfit.recording import read_in_blocks\n"
+            "path, given = sys.argv[1], dict(rate_hz=100.0, unit='deg/s')\n"
+            f"start = time.perf_counter()\n{work}\n"
+            "print(time.perf_counter() - start,"
+            " resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+        )
+        told = subprocess.run(
+            [sys.executable, "-c", code, str(path)], check=True, capture_output=True, text=True
+        )
+        seconds, peak = map(float, told.stdout.split())
+        # The peak holds JAX and, for .npy, the pages of the file that are mapped.
+        found[name] = {"seconds": seconds, "samples_a_s": samples / seconds, "peak_mib": peak}
+    size = path.stat().st_size
+    path.unlink()
+    return {
+        "format": ending,
+        "samples": samples,
+        "bytes": size,
+        "bytes_alone_s": bytes_alone,
+    } | found
+
+
+def _write(path: Path, samples: int) -> None:
+    rng = np.random.default_rng(0)
+    if path.suffix == ".npy":
+        mapped = np.lib.format.open_memmap(path, "w+", np.float64, (samples,))
+        for start in range(0, samples, BLOCK):
+            stop = min(start + BLOCK, samples)
+            mapped[start:stop] = rng.standard_normal(stop - start)
+        return
+    x = rng.standard_normal(samples).round(6)
+    if path.suffix == ".csv":
+        pl.DataFrame({"x": x}).write_csv(path)
+    elif path.suffix == ".npz":
+        np.savez(path, x=x)
+    elif path.suffix == ".parquet":
+        pl.DataFrame({"x": x}).write_parquet(path)
+    else:
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            file["x"] = x
+
+
+def one_pass_against_memory(samples: int) -> dict:
+    """How far the curves are from those of the samples in memory, for each kind of noise.
+
+    The density in standard errors of its bins, as far as each is from what its own design expects.
+    """
+    rng = np.random.default_rng(3)
+    white = rng.standard_normal(samples + 1)
+    order = np.fft.rfftfreq(2 * samples)
+    shape = np.append(0, order[1:] ** -0.5)
+    flicker = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * samples)) * shape)[:samples]
+    kinds = {
+        "quantization": (np.diff(white), 0),
+        "white": (white[1:], 1),
+        "flicker": (flicker, 2),
+        "walk": (np.cumsum(white)[1:], 3),
+        "white and ramp": (white[1:] + 1e-5 * np.arange(samples), 1),
+    }
+    whole, found = design((samples,)), {}
+    for name, (x, term) in kinds.items():
+        taken = LongStatistics()
+        for start in range(0, samples, BLOCK):
+            taken.add(x[start : start + BLOCK])
+        taken.end_stretch()
+        value, layout = taken.value()
+        known = statistics((jax.numpy.asarray(x),), whole)
+        level = np.asarray(known.density) / whole.density[:, term]
+        other = np.asarray(value.density) / layout.density[:, term]
+        apart = (other - level) / np.median(level) * np.sqrt(whole.ordinates / 2)
+        small = whole.cluster_sizes < 2048
+        allan = np.abs(np.asarray(value.allan) / np.asarray(known.allan) - 1)
+        found[name] = {
+            "allan_below_2048": float(allan[small].max()),
+            "density_rms_se": float(np.sqrt(np.mean(apart**2))),
+            "density_max_se": float(np.abs(apart).max()),
+        }
+    return {"samples": samples, "kinds": found}
 
 
 def nearness(records: int) -> dict:
@@ -113,13 +215,27 @@ def main(arguments=None):
     parser.add_argument("--samples", type=int, default=200_000_000)
     parser.add_argument("--records", type=int, default=60)
     parser.add_argument("--fit", type=int, default=17_280_000, help="samples a channel; 0: no fit")
+    parser.add_argument(
+        "--files",
+        nargs="*",
+        default=[
+            "npy:100000000",
+            *(f"{e}:10000000" for e in ("npy", "csv", "npz", "parquet", "h5")),
+        ],
+        help="formats and samples of files to read in blocks",
+    )
     asked = parser.parse_args(arguments)
     jax.config.update("jax_enable_x64", True)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         document = {
-            "one_pass": speed(folder, asked.samples),
-            "lost_in_standard_errors": nearness(asked.records),
+            "one_pass": speed(folder, asked.samples) if asked.samples else None,
+            "lost_in_standard_errors": nearness(asked.records) if asked.records else None,
+            "files": [
+                whole_file(folder, ending, int(samples))
+                for ending, _, samples in (each.partition(":") for each in asked.files)
+            ],
+            "one_pass_against_memory": one_pass_against_memory(3_000_000),
             "fit": whole_fit(folder, asked.fit) if asked.fit else None,
         }
     document |= machine()

@@ -12,9 +12,12 @@ from .datasheet import Datasheet as Datasheet
 from .datasheet import read_datasheet as read_datasheet
 from .explain import Explanation as Explanation
 from .explain import explain as explain
+from .file_curves import FileCurves as FileCurves
+from .file_curves import curves_of_file as curves_of_file
 from .identify import Fit as Fit
 from .identify import Influence as Influence
 from .identify import fit as fit
+from .identify import fit_file as fit_file
 from .identify import fit_many as fit_many
 from .identify import influence as influence
 from .identify import sample as sample

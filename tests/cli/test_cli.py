@@ -48,6 +48,28 @@ def test_a_figure_of_another_format_is_refused_before_the_fit(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_fit_in_blocks_says_the_same(recording, tmp_path, capsys):
+    """Within the rounding of bins whose edges are a thousandth apart."""
+    found = {}
+    for option in ("--blocks", "--no-posterior"):
+        target = tmp_path / f"{option}.json"
+        arguments = ["fit", str(recording), "--no-posterior", option, "--json", str(target)]
+        assert main(arguments) == 0
+        found[option] = json.loads(target.read_text())["channels"][0]
+    capsys.readouterr()
+    blocks, whole = found["--blocks"], found["--no-posterior"]
+    for key in ("unit", "samples", "rate_hz", "status"):
+        assert blocks[key] == whole[key]
+    assert blocks["mean"] == pytest.approx(whole["mean"])
+    for symbol, entry in whole["coefficients"].items():
+        low, high = entry["intervals"]["0.95"]
+        other = blocks["coefficients"][symbol]
+        assert other["value"] == pytest.approx(entry["value"], abs=0.05 * (high - low))
+    arguments = ["fit", str(recording), "--blocks", "--temperature", "remove"]
+    assert main(arguments) == 1
+    assert "leave --blocks out" in capsys.readouterr().err
+
+
 def test_fit_says_whether_a_data_sheet_is_met(recording, tmp_path, capsys):
     sheet, target, page = tmp_path / "sheet.yaml", tmp_path / "fit.json", tmp_path / "fit.html"
     # The truth is 0.3 deg/√h, which has the one-sided density 7.07 mdps/√Hz.

@@ -62,3 +62,20 @@ def test_what_is_no_block_is_refused(record):
         variance.add(np.array([0.0, 1.0, np.nan]))
     with pytest.raises(ValueError, match=r"shape \(samples,\)"):
         variance.add(record[:10].reshape(2, 5))
+
+
+def test_stretches_add(record):
+    """As by hand: sums of both sides of the gap over differences of both."""
+    sizes = np.array([1, 6, 2049, 8192])
+    variance = LongAllanVariance(sizes)
+    total, positions = np.zeros(4), np.zeros(4)
+    for piece in (record[:70_000], record[70_000:70_010], record[90_000:]):
+        variance.add(piece[:5])
+        variance.add(piece[5:])
+        variance.end_stretch()
+        reach = sizes[2 * sizes <= piece.size]
+        count = piece.size - 2 * reach + 1
+        total[: reach.size] += count * np.asarray(allanfit.allan_variance(piece, 1.0, reach))
+        positions[: reach.size] += count
+    np.testing.assert_allclose(variance.value()[:3], (total / positions)[:3], rtol=1e-9)
+    np.testing.assert_allclose(variance.value()[3], (total / positions)[3], rtol=1e-3)

@@ -125,6 +125,6 @@ def test_an_unreadable_file(write, monkeypatch):
         raise PermissionError(13, os.strerror(13))
 
     # The rights themselves would not stop a test run by root.
-    monkeypatch.setattr("pathlib.Path.read_bytes", refuse)
+    monkeypatch.setattr("pathlib.Path.open", refuse)
     with pytest.raises(RecordingError, match=r"secret\.csv cannot be read: Permission denied"):
         load(path)

@@ -15,7 +15,7 @@ import numpy as np
 try:
     import typer
 
-    from ._progress import channel_by_channel, load_with_progress, progress_bar
+    from ._progress import channel_by_channel, load_with_progress, progress_bar, reading
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
@@ -25,7 +25,7 @@ from ..datasheet import read_datasheet
 from ..demo import TRUTH, demonstrate
 from ..export import FORMATS, Options, parse_walk
 from ..export import export as export_fit
-from ..identify import RecordingFit, fit_recording
+from ..identify import RecordingFit, fit_file, fit_recording
 from ..plan import parse_want, plan_file, plan_text
 from ..recording import contents, save
 from ..report import format_text, refuse_other_figures, write_json, write_page
@@ -89,6 +89,10 @@ def fit(
         typer.Option(help="YAML of a data sheet: say of each line whether the sensor meets it."),
     ] = None,
     seed: Seed = 0,
+    blocks: Annotated[
+        bool,
+        typer.Option("--blocks", help="Read in blocks, for a file larger than memory."),
+    ] = False,
     list_contents: Annotated[
         bool, typer.Option("--list", help="Only say what is in the recording, and end.")
     ] = False,
@@ -104,6 +108,24 @@ def fit(
         refuse_other_figures(figure)
     check_targets((json, report, figure), (recording, datasheet))
     sheet = None if datasheet is None else read_datasheet(datasheet)
+    if blocks and temperature == "remove":
+        raise ValueError("--temperature remove needs all samples at once: leave --blocks out.")
+    if blocks:
+        with reading(recording) as progress:
+            result = fit_file(
+                recording,
+                rate_hz=rate,
+                channels=channel,
+                unit=unit,
+                topic=topic,
+                posterior=posterior,
+                sampling=sampling,
+                datasheet=sheet,
+                seed=seed,
+                progress=progress,
+            )
+        _deliver(result, json, report)
+        return
     found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("fitting", len(found.channels)) as (announce, done):
         result = fit_recording(

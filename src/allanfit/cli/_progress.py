@@ -33,16 +33,18 @@ def load_with_progress(
     topic: str | None,
 ) -> Recording:
     """`load`, with a bar for the formats whose messages are read one by one."""
+    with reading(path) as progress:
+        return load(
+            path, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic, progress=progress
+        )
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Callable[[int, int], None]]:
+    """What to call with how much of a file is read, and of how much."""
     with progress_bar() as progress:
         task = progress.add_task(f"reading {path.name}", total=None)
-        return load(
-            path,
-            rate_hz=rate_hz,
-            channels=channels,
-            unit=unit,
-            topic=topic,
-            progress=lambda read, total: progress.update(task, completed=read, total=total),
-        )
+        yield lambda read, whole: progress.update(task, completed=read, total=whole)
 
 
 @contextmanager

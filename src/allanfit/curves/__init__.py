@@ -14,6 +14,7 @@ from ._design import mode_variances as mode_variances
 from ._design import unit_scale as unit_scale
 from ._input import as_series as as_series
 from ._long import LongAllanVariance as LongAllanVariance
+from ._long_statistics import LongStatistics as LongStatistics
 from ._psd import Spectrum as Spectrum
 from ._psd import psd as psd
 from ._slope_reading import octaves as octaves

@@ -97,7 +97,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         modes = len(order[odd])
         ramp[stretch, :modes] = ramp_coefficients(length)[odd]
         for column, term in enumerate(NOISE_TERMS):
-            expected = _expected_ordinates(term, length, stretch_frequency, sampling)
+            expected = expected_ordinates(term, length, stretch_frequency, sampling)
             # An ordinate is 2 dt c^2, so c has half its variance.
             ramp_variance[stretch, :modes, column] = expected[odd] / 2
             density[:, column] += np.bincount(
@@ -119,13 +119,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         ramp_variance=ramp_variance,
         cluster_sizes=sizes,
         differences=np.sum([np.maximum(length - 2 * sizes + 1, 0) for length in lengths], axis=0),
-        allan=np.stack(
-            [
-                np.asarray(_allan_variance(term, sampling, jnp.asarray(sizes, float)))
-                for term in (*NOISE_TERMS, RateRamp)
-            ],
-            axis=-1,
-        ),
+        allan=expected_allan(sizes, sampling),
     )
 
 
@@ -141,15 +135,29 @@ def mode_variances(
     frequency = np.arange(1, modes + 1) / (2 * length)
     # Constants also where a user traces the fit.
     with jax.ensure_compile_time_eval(), jax.enable_x64(True):
-        columns = [_expected_ordinates(term, length, frequency, sampling) for term in NOISE_TERMS]
+        columns = [expected_ordinates(term, length, frequency, sampling) for term in NOISE_TERMS]
     # An ordinate is 2 dt c^2, so c has half its variance.
     return np.stack(columns, axis=-1) / 2
 
 
-def _expected_ordinates(
+def expected_allan(
+    sizes: Int[np.ndarray, " sizes"], sampling: Sampling
+) -> Float[np.ndarray, "sizes terms"]:
+    """Allan variances per unit power of Q, N, B, K and R; under x64."""
+    columns = [
+        np.asarray(_allan_variance(term, sampling, jnp.asarray(sizes, float)))
+        for term in (*NOISE_TERMS, RateRamp)
+    ]
+    return np.stack(columns, axis=-1)
+
+
+def expected_ordinates(
     term: type[AbstractNoiseTerm], samples: int, frequency: np.ndarray, sampling: Sampling
 ) -> np.ndarray:
-    """Of unit power, in chunks of one size, so that all lengths share one compilation."""
+    """Those of orders 1 and up of a record of so many samples, per unit power; under x64.
+
+    In chunks of one size, so that all lengths share one compilation.
+    """
     padded = np.pad(frequency, (0, -len(frequency) % _CHUNK), constant_values=0.25)
     chunks = [
         np.asarray(_density(term, sampling, jnp.asarray(chunk)))

@@ -6,6 +6,7 @@ need few positions, are added up on the host.
 
 from collections.abc import Sequence
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
@@ -32,7 +33,7 @@ class LongAllanVariance:
 
     - `cluster_sizes`: increasing positive integers; `allanfit.cluster_sizes(samples)` for the
       record's length. An odd size above 2048 takes all its positions, and so its
-      time, and memory for twice as many samples. Without x64 small sizes are as good as float32.
+      time, and memory for twice as many samples.
 
     **Raises:** `ValueError` for sizes that are not increasing positive integers.
 
@@ -42,6 +43,8 @@ class LongAllanVariance:
         variance.add(block)
     variance.value()
     ```
+
+    `end_stretch` between blocks keeps differences from bridging a gap.
     """
 
     def __init__(self, cluster_sizes: Sequence[int] | np.ndarray):
@@ -63,6 +66,7 @@ class LongAllanVariance:
             if len(mine := np.setdiff1d(sizes[strides == s], near))
         ]
         self._samples = 0
+        self._before = 0
         self._offset = 0.0
         self._phase = 0.0
 
@@ -75,7 +79,7 @@ class LongAllanVariance:
         if x.ndim != 1:
             raise ValueError(f"a block must have shape (samples,); got {x.shape}")
         if not np.isfinite(x).all():
-            bad = self._samples + int(np.argmin(np.isfinite(x)))
+            bad = self._before + self._samples + int(np.argmin(np.isfinite(x)))
             raise ValueError(
                 f"sample {bad} is not finite: hand over the stretches between gaps one by one"
             )
@@ -93,8 +97,15 @@ class LongAllanVariance:
         self._samples += x.size
         self._phase = float(phase[-1])
 
+    def end_stretch(self) -> None:
+        """What comes next is behind a gap: stretches add, as in a fit."""
+        for each in (*self._exact, *self._levels):
+            each.end()
+        self._before += self._samples
+        self._samples, self._phase = 0, 0.0
+
     def value(self) -> Float[np.ndarray, " sizes"]:
-        """The variances so far, NaN for sizes beyond half of the samples."""
+        """The variances so far, NaN for sizes beyond half of the longest stretch."""
         every = [*self._exact, *self._levels]
         parts = [each.value() for each in every]
         sizes = np.concatenate([each.sizes for each in every])
@@ -108,7 +119,7 @@ class _Exact:
         self.sizes = sizes
         self._reach = 2 * int(sizes.max())
         self._sums = np.zeros(len(sizes))
-        self._positions = 0.0
+        self._positions = np.zeros(len(sizes))
         self._blocks: list[Float[np.ndarray, " samples"]] = []
         self._waiting = 0
 
@@ -129,17 +140,26 @@ class _Exact:
         self._blocks = [known[begin:].copy()]
         self._waiting = known.size - begin
 
+    def end(self) -> None:
+        self._sums, self._positions = self._with_rest()
+        self._blocks, self._waiting = [], 0
+
     def value(self) -> Float[np.ndarray, " sizes"]:
+        sums, positions = self._with_rest()
+        with np.errstate(invalid="ignore"):
+            return sums / positions
+
+    def _with_rest(self) -> tuple[Float[np.ndarray, " sizes"], Float[np.ndarray, " sizes"]]:
+        """Sums and positions with those of the samples that do not fill a piece."""
         rest = np.concatenate([np.zeros(0), *self._blocks])
         last = _Level(1, self.sizes)
         last.add(np.cumsum(rest), 1)
-        with np.errstate(invalid="ignore"):
-            return (self._sums + last.sums / (2.0 * self.sizes**2)) / (
-                self._positions + last.counts
-            )
+        return self._sums + last.sums / (2.0 * self.sizes**2), self._positions + last.counts
 
     def _sums_of(self, x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " sizes"]:
-        return np.asarray(overlapping_sums(jnp.asarray(x), jnp.asarray(self.sizes)), np.float64)
+        # In float32 the sums would be carried in pairs, which is slower and less exact.
+        with jax.enable_x64(True):
+            return np.asarray(overlapping_sums(jnp.asarray(x), jnp.asarray(self.sizes)))
 
 
 class _Level:
@@ -167,6 +187,9 @@ class _Level:
                 self.sums[place] += difference @ difference
                 self.counts[place] += len(difference)
         self._tail = known[-2 * int(self._steps.max()) :].copy()
+
+    def end(self) -> None:
+        self._tail = np.zeros(1)
 
     def value(self) -> Float[np.ndarray, " sizes"]:
         with np.errstate(invalid="ignore"):

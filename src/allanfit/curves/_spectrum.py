@@ -36,9 +36,9 @@ def slow_part(x: Float[Array, " samples"], modes: int) -> Float[Array, " samples
     return jax.scipy.fft.idct(jnp.pad(kept, (1, 0)), type=2, norm="ortho")
 
 
-def ramp_coefficients(samples: int) -> Float[np.ndarray, " modes"]:
-    """The cosine coefficients of the ramp x_k = k: zero for even orders."""
-    order = np.arange(1, samples)
+def ramp_coefficients(samples: int, modes: int | None = None) -> Float[np.ndarray, " modes"]:
+    """The first cosine coefficients of the ramp x_k = k, all by default: zero for even orders."""
+    order = np.arange(1, samples if modes is None else modes + 1)
     half_angle = np.pi * order / (2 * samples)
     ramp = -np.sqrt(2 / samples) * np.cos(half_angle) / (2 * np.sin(half_angle) ** 2)
     return np.where(order % 2 == 1, ramp, 0.0)
@@ -50,16 +50,18 @@ class RampProjection(eqx.Module):
     With weights w_l that make coefficients of a plausible noise alike, z = w c holds the ramp
     along a unit vector g. A Householder reflection turns g onto the first axis, which is dropped:
     z'_i = z_i - g_i sum_l h_l z_l. At even orders g and h are zero.
+
+    It works on the first `modes` coefficients of a record, all of them by default.
     """
 
     modes: int = eqx.field(static=True)
     #: g at the odd orders: the others are zero, and a long record has no room for them.
     odd_direction: Float[Array, " odd_modes"] | Float[np.ndarray, " odd_modes"]
 
-    def __init__(self, samples: int):
-        self.modes = samples - 1
-        odd = np.arange(1, samples, 2)
-        ramp = ramp_coefficients(samples)[::2] * _weight(odd)
+    def __init__(self, samples: int, modes: int | None = None):
+        self.modes = samples - 1 if modes is None else modes
+        odd = np.arange(1, self.modes + 1, 2)
+        ramp = ramp_coefficients(samples, self.modes)[::2] * _weight(odd)
         # The sign is that of the first coefficient, so that the reflection is well conditioned.
         self.odd_direction = -ramp / np.linalg.norm(ramp)
 

@@ -4,6 +4,7 @@ Start with `fit` for one sensor, `fit_many` for a batch, `sample` for emcee's po
 """
 
 from ._estimate import Estimate as Estimate
+from ._file_fit import fit_file as fit_file
 from ._fit import Fit as Fit
 from ._fit import fit_series as fit_series
 from ._influence import Influence as Influence

@@ -4,6 +4,8 @@ Start with `load`. It returns a `Recording`, whose channels carry their samples,
 them that can be used, and findings: one plain sentence for everything that is wrong with them.
 """
 
+from ._blocks import Blocks as Blocks
+from ._blocks import read_in_blocks as read_in_blocks
 from ._formats import contents as contents
 from ._formats import is_recording as is_recording
 from ._load import load as load

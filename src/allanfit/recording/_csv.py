@@ -6,14 +6,16 @@ import io
 import re
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import polars as pl
 
 from ._files import refuse_bomb
-from ._recording import RecordingError, Table
+from ._recording import Block, RecordingError, Table
 from ._timestamps import is_time
 from ._wording import count
 
@@ -31,6 +33,7 @@ _PARSER = (pl.exceptions.PolarsError, pl.exceptions.PanicException)
 # Enough for any header and the first lines below it.
 _HEAD = 65_536
 _LONGEST_NAME = 1000
+_LONGEST_LINE = 1 << 24
 _CHUNK = 1 << 24
 # Integers of more digits lose some as floats; time stamps in ns since 1970 have 19.
 _EXACT_DIGITS = 15
@@ -58,9 +61,39 @@ def read_csv(path: Path) -> Table:
 
     **Raises** `RecordingError` when the file is no such table, with the line that is in the way.
     """
-    text = _text(path)
-    layout = _layout(path.name, text)
-    frame = _parse(path.name, _body(text, layout), layout)
+    with path.open("rb") as file, _unpacked(path, file) as stream:
+        text = _begun(path.name, _whole(path, stream))
+    return _table(path.name, text, _layout(path.name, text))
+
+
+def csv_blocks(path: Path, samples: int) -> Iterator[Block]:
+    """The same line by line, in blocks of about `samples` lines."""
+    size = path.stat().st_size
+    with path.open("rb") as file, _unpacked(path, file) as stream:
+        head = stream.read(4 * _HEAD)
+        length = max(len(head) // max(head.count(b"\n"), 1) * samples, len(head))
+        layout, rest, ended = None, head, False
+        while not ended:
+            text = stream.read(length)
+            ended = not text
+            if text.endswith(b"\r"):
+                text += stream.read(1)
+            text = rest + text
+            text = (_begun if layout is None else _plain)(path.name, text)
+            cut = len(text) if ended else text.rfind(b"\n") + 1
+            if not cut and len(text) > _LONGEST_LINE:
+                raise RecordingError(f"{path.name} holds no table of numbers: a line has no end.")
+            text, rest = text[:cut], text[cut:]
+            if layout is None and cut:
+                layout = _layout(path.name, text)
+            if layout is not None and text[layout.body :].strip():
+                yield Block(_table(path.name, text, layout), file.tell(), size)
+            if layout is not None:
+                layout = replace(layout, body=0, line=layout.line + text.count(b"\n"))
+
+
+def _table(file: str, text: bytes, layout: _Layout) -> Table:
+    frame = _parse(file, _body(text, layout), layout)
     columns, findings = {}, ()
     for position, (name, column) in enumerate(zip(layout.names, frame, strict=True), start=1):
         empty = column.null_count() == column.len()
@@ -72,35 +105,47 @@ def read_csv(path: Path) -> Table:
     return Table(columns, layout.units, findings=findings)
 
 
-def _text(path: Path) -> bytes:
+@contextmanager
+def _unpacked(path: Path, file: IO[bytes]) -> Iterator[IO[bytes] | gzip.GzipFile]:
+    """What is in the file, unzipped where it is a .gz."""
     if path.suffix != ".gz":
-        data = path.read_bytes()
-    else:
-        try:
-            data = _unpacked(path)
-        except (gzip.BadGzipFile, EOFError, zlib.error) as error:
-            raise RecordingError(
-                f"{path.name} is not a complete gzip file: it may be cut off or of another kind."
-            ) from error
-    data = data.removeprefix(b"\xef\xbb\xbf")
-    if not data.strip():
-        raise RecordingError(f"{path.name} is empty.")
-    if b"\0" in data:
+        yield file
+        return
+    try:
+        with gzip.GzipFile(fileobj=file) as stream:
+            yield stream
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise RecordingError(
-            f"{path.name} is not plain text: a spreadsheet has to be saved as CSV in UTF-8."
-        )
-    if b"\r" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return data
+            f"{path.name} is not a complete gzip file: it may be cut off or of another kind."
+        ) from error
 
 
-def _unpacked(path: Path) -> bytes:
+def _whole(path: Path, stream: IO[bytes] | gzip.GzipFile) -> bytes:
     text = io.BytesIO()
-    with gzip.open(path) as stream:
-        while chunk := stream.read(_CHUNK):
-            text.write(chunk)
+    while chunk := stream.read(_CHUNK):
+        text.write(chunk)
+        if path.suffix == ".gz":
             refuse_bomb(path, text.tell())
     return text.getvalue()
+
+
+def _begun(file: str, text: bytes) -> bytes:
+    """The beginning of a table, or all of it."""
+    text = text.removeprefix(b"\xef\xbb\xbf")
+    if not text.strip():
+        raise RecordingError(f"{file} is empty.")
+    return _plain(file, text)
+
+
+def _plain(file: str, text: bytes) -> bytes:
+    """The text with line feeds alone at the ends of its lines."""
+    if b"\0" in text:
+        raise RecordingError(
+            f"{file} is not plain text: a spreadsheet has to be saved as CSV in UTF-8."
+        )
+    if b"\r" in text:
+        text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return text
 
 
 def _decode(line: bytes) -> str:

@@ -1,17 +1,17 @@
 """Which reader a file belongs to, by its name."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from ._csv import read_csv
+from ._csv import csv_blocks, read_csv
 from ._files import require_file, too_large
-from ._hdf5 import hdf5_topics, read_hdf5
+from ._hdf5 import hdf5_blocks, hdf5_topics, read_hdf5
 from ._mat import mat_topics, read_mat
-from ._npz import read_npy, read_npz
-from ._parquet import read_parquet
-from ._recording import RecordingError, Table
+from ._npz import npy_blocks, npz_blocks, read_npy, read_npz
+from ._parquet import parquet_blocks, read_parquet
+from ._recording import Block, RecordingError, Table, table_blocks
 from ._ros import Progress, is_ros2_bag, read_ros, ros_topics
 from ._topics import Topic, topic_of
 from ._ulog import read_ulog, ulog_topics
@@ -27,35 +27,48 @@ class _Format:
 
     read: Callable[[Path, str | None, Progress | None], Table]
     topics: Callable[[Path], tuple[Topic, ...]]
+    blocks: Callable[[Path, int, str | None], Iterator[Block]] | None = None
+    """Blocks of so many samples of a topic; None where a file can only be read as a whole."""
 
 
-def _one_table(read: Callable[[Path], Table]) -> _Format:
+def _one_table(
+    read: Callable[[Path], Table], blocks: Callable[[Path, int], Iterator[Block]]
+) -> _Format:
     """A format whose files are one table."""
 
-    def only(path: Path, topic: str | None, progress: Progress | None) -> Table:
+    def refuse_topic(path: Path, topic: str | None) -> None:
         if topic is not None:
             raise RecordingError(f"{path.name} is one table without topics: leave --topic out.")
+
+    def only(path: Path, topic: str | None, progress: Progress | None) -> Table:
+        refuse_topic(path, topic)
         return read(path)
 
-    return _Format(only, lambda path: (topic_of(read(path)),))
+    def only_blocks(path: Path, samples: int, topic: str | None) -> Iterator[Block]:
+        refuse_topic(path, topic)
+        return blocks(path, samples)
+
+    return _Format(only, lambda path: (topic_of(read(path)),), only_blocks)
 
 
 def _in_parts(
-    read: Callable[[Path, str | None], Table], topics: Callable[[Path], tuple[Topic, ...]]
+    read: Callable[[Path, str | None], Table],
+    topics: Callable[[Path], tuple[Topic, ...]],
+    blocks: Callable[[Path, int, str | None], Iterator[Block]] | None = None,
 ) -> _Format:
     """A format whose files may have several tables."""
-    return _Format(lambda path, topic, progress: read(path, topic), topics)
+    return _Format(lambda path, topic, progress: read(path, topic), topics, blocks)
 
 
-_CSV = _one_table(read_csv)
-_HDF5 = _in_parts(read_hdf5, hdf5_topics)
+_CSV = _one_table(read_csv, csv_blocks)
+_HDF5 = _in_parts(read_hdf5, hdf5_topics, hdf5_blocks)
 _ROS = _Format(read_ros, ros_topics)
 _FORMATS = {
     ".csv": _CSV,
     ".txt": _CSV,
-    ".npy": _one_table(read_npy),
-    ".npz": _one_table(read_npz),
-    ".parquet": _one_table(read_parquet),
+    ".npy": _one_table(read_npy, npy_blocks),
+    ".npz": _one_table(read_npz, npz_blocks),
+    ".parquet": _one_table(read_parquet, parquet_blocks),
     ".mat": _in_parts(read_mat, mat_topics),
     ".h5": _HDF5,
     ".hdf5": _HDF5,
@@ -77,6 +90,25 @@ def read_table(path: Path, topic: str | None = None, progress: Progress | None =
     **Raises** `RecordingError` when it cannot be read.
     """
     return _checked(path, lambda form: form.read(path, topic, progress))
+
+
+def read_blocks(path: Path, samples: int, topic: str | None = None) -> Iterator[Block]:
+    """The columns of a file, or of its `topic`, in blocks of about `samples` rows.
+
+    Formats that cannot be read so are read as a whole first.
+
+    **Raises** `RecordingError` when it cannot be read, perhaps after some blocks.
+    """
+    form = _checked(path, lambda form: form)
+
+    def blocks() -> Iterator[Block]:
+        if form.blocks is not None:
+            return form.blocks(path, samples, topic)
+        return table_blocks(form.read(path, topic, None), samples)
+
+    found = _checked(path, lambda _: blocks())
+    while (block := _checked(path, lambda _: next(found, None))) is not None:
+        yield block
 
 
 def contents(path: str | Path) -> tuple[Topic, ...]:

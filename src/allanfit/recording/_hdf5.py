@@ -4,6 +4,8 @@ MATLAB's files since version 7.3 are of this kind too, and its own attributes ar
 """
 
 from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,8 @@ from ..extras import needs
 from ._damage import careful
 from ._files import refuse_bomb
 from ._names import is_rate, is_unit
-from ._recording import RecordingError, Table
+from ._recording import Block, RecordingError, Table
+from ._timestamps import SHORTEST_STRETCH
 from ._topics import Topic
 from ._tree import Leaf, Place, Tree, tree_table, tree_topics
 
@@ -21,6 +24,9 @@ from ._tree import Leaf, Place, Tree, tree_table, tree_topics
 _DEEPEST = 32
 # MATLAB keeps there what cells and objects refer to.
 _INTERNAL = ("#refs#", "#subsystem#")
+_FEWEST = 1024
+# So many in all, and of these from one to before another.
+_Rows = tuple[int, int, int]
 _MATLAB_NUMBERS = ("double", "single", "int", "uint")
 
 
@@ -46,20 +52,54 @@ def object_left_out(name: str, kind: str) -> str:
     )
 
 
-def _tree(path: Path) -> Tree:
+def hdf5_blocks(path: Path, samples: int, topic: str | None = None) -> Iterator[Block]:
+    """The same in blocks of so many samples.
+
+    Arrays that are shorter than the longest are left out.
+    """
+    rows = _rows(path, topic)
+    # A last block must be long enough to tell samples from channels.
+    starts = range(0, max(rows - min(samples, _FEWEST), 1), samples)
+    for start, stop in pairwise([*starts, rows]):
+        yield Block(tree_table(path, _tree(path, (rows, start, stop)), topic), stop, rows)
+
+
+def _rows(path: Path, topic: str | None) -> int:
+    """Samples of the longest array in a file or a group of it."""
+    asked = tuple(part for part in (topic or "").split("/") if part)
+    with _opened(path) as items:
+        return max(
+            (
+                max(item.shape)
+                for place, item in items.items()
+                if place[: len(asked)] == asked and getattr(item, "shape", None)
+            ),
+            default=0,
+        )
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[dict[Place, Any]]:
+    """Groups and arrays of a file by their place, the file itself at the empty one."""
     with needs("allanfit[io]", "HDF5 files", RecordingError):
         import h5py
         from h5py import h5o
+    with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
+        yield {(): file} | dict(_items((), file, {h5o.get_info(file.id).addr}))
+
+
+def _tree(path: Path, rows: _Rows | None = None) -> Tree:
+    """All arrays, or of those with so many rows the rows [start, stop)."""
     leaves: list[Leaf] = []
     findings: list[str] = []
-    with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
-        items = dict(_items((), file, {h5o.get_info(file.id).addr}))
-        datasets = {at: item for at, item in items.items() if isinstance(item, h5py.Dataset)}
-        refuse_bomb(path, sum(item.nbytes for item in datasets.values()))
-        for place, item in ({(): file} | items).items():
+    with _opened(path) as items:
+        datasets = {place: item for place, item in items.items() if hasattr(item, "dtype")}
+        if rows is None:
+            refuse_bomb(path, sum(item.nbytes for item in datasets.values()))
+        for place, item in items.items():
             leaves += _attributes(place, item)
         for place, item in datasets.items():
-            read, doubts = _dataset(place, item)
+            read, doubts = _dataset(place, item, rows)
             leaves += read
             findings += doubts
     return Tree(tuple(leaves), tuple(findings))
@@ -100,7 +140,7 @@ def _attributes(place: Place, item: Any) -> list[Leaf]:
     return found
 
 
-def _dataset(place: Place, item: Any) -> tuple[list[Leaf], list[str]]:
+def _dataset(place: Place, item: Any, rows: _Rows | None) -> tuple[list[Leaf], list[str]]:
     name, kind = "/".join(place), _text(item.attrs.get("MATLAB_class", ""))
     if item.shape is None or "MATLAB_empty" in item.attrs:
         return [], []
@@ -117,18 +157,26 @@ def _dataset(place: Place, item: Any) -> tuple[list[Leaf], list[str]]:
     if item.dtype.names is not None:
         fields = {field: item.dtype[field] for field in item.dtype.names}
         return [
-            Leaf((*place, field), _numbers(item, kind, field), unit)
+            Leaf((*place, field), _numbers(item, kind, rows, field), unit)
             for field, kind in fields.items()
         ], []
-    return [Leaf(place, _numbers(item, item.dtype, ()), unit)], []
+    return [Leaf(place, _numbers(item, item.dtype, rows), unit)], []
 
 
-def _numbers(item: Any, kind: np.dtype, which: Any) -> np.ndarray:
+def _numbers(item: Any, kind: np.dtype, rows: _Rows | None, field: str = "") -> np.ndarray:
     """An array or a field of it; for what holds no numbers, an array of its shape."""
     if kind.base.kind in "iuf":
-        return np.asarray(item[which])
+        values = np.asarray(item[()] if rows is None else _cut(item, *rows))
+        return values[field] if field else values
     # Not read: many long texts may be one in the file.
     return np.broadcast_to(np.empty((), kind), item.shape + kind.shape)
+
+
+def _cut(item: Any, rows: int, start: int, stop: int) -> np.ndarray:
+    """The asked rows of an array that has as many, all of a small one, and nothing of others."""
+    if rows in item.shape:
+        return item[(slice(None),) * item.shape.index(rows) + (slice(start, stop),)]
+    return item[()] if item.size < SHORTEST_STRETCH else np.empty(0)
 
 
 def _text(value: Any) -> str:

@@ -65,24 +65,18 @@ def load(
     """
     path = Path(path)
     if rate_hz is not None:
-        _check_rate(rate_hz, "the rate given")
+        check_rate(rate_hz, "the rate given")
     if isinstance(channels, str):
         channels = (channels,)
     table = read_table(path, topic, progress)
     if rate_hz is None and table.rate_hz is not None:
         rate_hz = table.rate_hz
-        _check_rate(rate_hz, f"rate_hz in {path.name}")
-    warm = {
-        name for name in table.columns if is_temperature(name, table.units.get(name, ""), table)
-    }
-    stamps = next((name for name in table.columns if is_time(name) and name not in warm), None)
-    names = [name for name in table.columns if not is_time(name) or name in warm]
-    aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
-    asked = _asked(path, names, aside, channels)
-    _check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
-    clock = _clock(path, table, stamps, rate_hz)
-    units = _units(asked, aside, table, unit)
-    findings = [*table.findings, *clock.findings, *_about_units(units)]
+        check_rate(rate_hz, f"rate_hz in {path.name}")
+    stamps, aside, warm, asked = columns_of(path, table, channels)
+    check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
+    clock = clock_of(path, table, stamps, rate_hz)
+    units = units_of(asked, aside, table, unit)
+    findings = [*table.findings, *clock.findings, *about_units(units)]
     kept = []
     for name in asked:
         values = table.columns[name].astype(np.float64)
@@ -94,7 +88,7 @@ def load(
             findings.append(f"The channel {name} is left out: {useless}.")
             continue
         about = about_samples(values, stretches, units[name].name, clock.rate_hz)
-        kept.append(_channel(name, values, units[name], stretches, about))
+        kept.append(channel_of(name, values, units[name], stretches, about))
     if not kept:
         raise RecordingError(f"{path.name} has no channel to analyse. {findings[-1]}")
     auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
@@ -114,13 +108,27 @@ def load(
     )
 
 
-def _check_rate(rate_hz: float, origin: str) -> None:
+def check_rate(rate_hz: float, origin: str) -> None:
+    """Raise `RecordingError` for a rate that is none; `origin` says where it is from."""
     low, high = _RATES
     if not low <= rate_hz <= high:
         raise RecordingError(
             f"A rate is a number of samples a second from {low:g} to {high:g}; {origin} is "
             f"{rate_hz:g}."
         )
+
+
+def columns_of(
+    path: Path, table: Table, channels: Sequence[str] | None
+) -> tuple[str | None, set[str], set[str], list[str]]:
+    """Time stamps, what is recorded beside the channels, temperatures in it, and the channels."""
+    warm = {
+        name for name in table.columns if is_temperature(name, table.units.get(name, ""), table)
+    }
+    stamps = next((name for name in table.columns if is_time(name) and name not in warm), None)
+    names = [name for name in table.columns if not is_time(name) or name in warm]
+    aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
+    return stamps, aside, warm, _asked(path, names, aside, channels)
 
 
 def _asked(
@@ -140,7 +148,8 @@ def _asked(
     return list(dict.fromkeys(channels))
 
 
-def _check_lengths(path: Path, table: Table, names: list[str]) -> None:
+def check_lengths(path: Path, table: Table, names: list[str]) -> None:
+    """Raise `RecordingError` for columns that are not equally long."""
     lengths = {table.columns[name].size: name for name in names}
     if len(lengths) > 1:
         told = " and ".join(f"{name} has {length}" for length, name in list(lengths.items())[:2])
@@ -149,7 +158,8 @@ def _check_lengths(path: Path, table: Table, names: list[str]) -> None:
         )
 
 
-def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) -> Clock:
+def clock_of(path: Path, table: Table, stamps: str | None, rate_hz: float | None) -> Clock:
+    """The time axis by a given rate, the column `stamps`, or both."""
     if stamps is None:
         if rate_hz is None:
             raise RecordingError(
@@ -164,7 +174,7 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
         return Clock(rate_hz, (), ())
     try:
         clock = read_clock(table.columns[stamps], stamps, table.units.get(stamps, ""), rate_hz)
-        _check_rate(clock.rate_hz, "that of the time stamps")
+        check_rate(clock.rate_hz, "that of the time stamps")
     except RecordingError as error:
         if rate_hz is None:
             raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error
@@ -172,7 +182,7 @@ def _clock(path: Path, table: Table, stamps: str | None, rate_hz: float | None) 
     return clock if rate_hz is None else Clock(rate_hz, clock.breaks, clock.findings, clock.lost)
 
 
-def _units(
+def units_of(
     names: list[str], aside: set[str], table: Table, override: str | None
 ) -> dict[str, Unit]:
     """The unit of each channel, `override` put in place where it fits."""
@@ -211,7 +221,8 @@ def _kind_by_name(name: str) -> str | None:
     return next((kind for kind, pattern in _KIND_BY_NAME if pattern.search(name)), None)
 
 
-def _about_units(units: dict[str, Unit]) -> list[str]:
+def about_units(units: dict[str, Unit]) -> list[str]:
+    """Findings on units that are missing or do not go with the name of their channel."""
     findings = []
     bare = [name for name, unit in units.items() if not unit.name]
     if bare:
@@ -226,13 +237,14 @@ def _about_units(units: dict[str, Unit]) -> list[str]:
     return findings
 
 
-def _channel(
+def channel_of(
     name: str,
     values: np.ndarray,
     unit: Unit,
     stretches: tuple[tuple[int, int], ...],
     findings: tuple[str, ...],
 ) -> Channel:
+    """A channel of `values` in its unit."""
     return Channel(
         name=name,
         unit=unit.name,
@@ -263,5 +275,5 @@ def _auxiliary(
                 continue
         if column.size == length:
             stretches = split(np.isfinite(values), clock.breaks)
-            auxiliary.append(_channel(name, values, Unit(unit, si_unit=unit), stretches, ()))
+            auxiliary.append(channel_of(name, values, Unit(unit, si_unit=unit), stretches, ()))
     return tuple(auxiliary), findings

@@ -4,13 +4,16 @@ import tokenize
 import warnings
 import zipfile
 import zlib
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ._files import refuse_bomb
 from ._names import units_by_channel
-from ._recording import RecordingError, Table
+from ._recording import Block, RecordingError, Table, table_blocks
 
 # What NumPy and zipfile raise on bytes that are not what they should be.
 _DAMAGE = (
@@ -34,7 +37,17 @@ def read_npy(path: Path) -> Table:
 
     **Raises** `RecordingError` when the file is damaged or holds anything else.
     """
-    array = _read(path)
+    return _columns(path, _read(path))
+
+
+def npy_blocks(path: Path, samples: int) -> Iterator[Block]:
+    """The same in blocks of so many samples, from a memory map."""
+    with _careful(path):
+        mapped = np.lib.format.open_memmap(path, "r")
+    yield from table_blocks(_columns(path, mapped), samples)
+
+
+def _columns(path: Path, array: np.ndarray | dict[str, np.ndarray]) -> Table:
     if not isinstance(array, np.ndarray):
         raise RecordingError(f"{path.name} is an .npz file in truth: rename it.")
     if array.dtype.names is not None:
@@ -60,6 +73,10 @@ def read_npz(path: Path) -> Table:
     arrays = _read(path)
     if isinstance(arrays, np.ndarray):
         raise RecordingError(f"{path.name} is an .npy file in truth: rename it.")
+    return _arrays(path, arrays)
+
+
+def _arrays(path: Path, arrays: dict[str, np.ndarray]) -> Table:
     units = units_by_channel(path.name, arrays.pop("units", None))
     rate_hz = _rate(path, arrays.pop("rate_hz", None))
     columns, findings = {}, ()
@@ -76,16 +93,61 @@ def read_npz(path: Path) -> Table:
     return Table(columns, units, rate_hz, findings)
 
 
+def npz_blocks(path: Path, samples: int) -> Iterator[Block]:
+    """The same in blocks of so many samples, compressed or not.
+
+    Arrays of other lengths than the longest are left out.
+    """
+    with ExitStack() as stack, _careful(path):
+        archive = stack.enter_context(zipfile.ZipFile(path))
+        members = {}
+        for name in archive.namelist():
+            stream = stack.enter_context(archive.open(name))
+            members[name.removesuffix(".npy")] = (stream, *_header(stream))
+        rows = max((shape[0] for _, shape, _ in members.values() if len(shape) == 1), default=0)
+        # Single numbers and texts go into the first block and every other.
+        small = {
+            name: np.frombuffer(stream.read(dtype.itemsize), dtype)[0]
+            for name, (stream, shape, dtype) in members.items()
+            if shape == () and not dtype.hasobject
+        }
+        for start in range(0, max(rows, 1), samples):
+            count = min(samples, rows - start)
+            arrays = {name: np.asarray(value) for name, value in small.items()}
+            for name, (stream, shape, dtype) in members.items():
+                if shape == (rows,):
+                    data = stream.read(count * dtype.itemsize)
+                    arrays[name] = np.frombuffer(data, dtype, count)
+            yield Block(_arrays(path, arrays), start + count, rows)
+
+
+def _header(stream: Any) -> tuple[tuple[int, ...], np.dtype]:
+    """The shape and the type of the array that follows."""
+    version = np.lib.format.read_magic(stream)
+    read = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }[version]
+    shape, _, dtype = read(stream)
+    return shape, dtype
+
+
 def _read(path: Path) -> np.ndarray | dict[str, np.ndarray]:
-    with path.open("rb") as file, warnings.catch_warnings(action="ignore", category=UserWarning):
-        # NumPy warns of files that are slow to read because Python 2 wrote them.
+    with path.open("rb") as file, _careful(path):
+        # Pickles run code when they are read, so no file may hold one.
+        content = np.load(file, allow_pickle=False)
+        if isinstance(content, np.ndarray):
+            return content
+        refuse_bomb(path, sum(member.file_size for member in content.zip.infolist()))
+        return {name: np.asarray(content[name]) for name in content.files}
+
+
+@contextmanager
+def _careful(path: Path) -> Iterator[None]:
+    # NumPy warns of files that are slow to read because Python 2 wrote them.
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
         try:
-            # Pickles run code when they are read, so no file may hold one.
-            content = np.load(file, allow_pickle=False)
-            if isinstance(content, np.ndarray):
-                return content
-            refuse_bomb(path, sum(member.file_size for member in content.zip.infolist()))
-            return {name: np.asarray(content[name]) for name in content.files}
+            yield
         except RecordingError:
             raise
         except _DAMAGE as error:

@@ -1,6 +1,7 @@
 """What a recording is, once it is read and checked."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -65,3 +66,22 @@ class Table:
     """Samples a second, where the file gives it."""
     findings: tuple[str, ...] = field(default=())
     """What was left out in reading."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """The next rows of a table that is read in pieces."""
+
+    table: Table
+    read: int
+    """How much of the file is read up to the end of this block, of `whole`."""
+    whole: int
+
+
+def table_blocks(table: Table, samples: int) -> Iterator[Block]:
+    """A table, perhaps one mapped from a file, in blocks of so many samples."""
+    rows = max((column.size for column in table.columns.values()), default=0)
+    for start in range(0, max(rows, 1), samples):
+        stop = min(start + samples, rows)
+        columns = {name: column[start:stop] for name, column in table.columns.items()}
+        yield Block(replace(table, columns=columns), stop, rows)

@@ -22,7 +22,7 @@ _SPELLINGS = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "nsec": "n
 _NAME = re.compile(r"(?:time|timestamp|t)(?:_(s|ms|us|ns))?", re.IGNORECASE)
 
 # Stamps catch up within a burst or a blocked moment; no transport holds more samples than this.
-_CATCH_UP = 1024
+CATCH_UP = 1024
 # A loss of fewer samples moves the time axis too little to matter, and cutting there would take
 # the long averaging times away.
 _GAP = 10
@@ -126,7 +126,7 @@ def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
     """The interval away from gaps: the median over the shortest window that evens bursts out."""
     steps = np.diff(time)
     typical = 0.0
-    for window in (1, 4, 16, 64, 256, _CATCH_UP):
+    for window in (1, 4, 16, 64, 256, CATCH_UP):
         if window > 1 and 4 * window > time.size:
             break
         low, typical, high = np.quantile(
@@ -169,7 +169,7 @@ def _lost_time(
 ) -> Float64[np.ndarray, " steps"]:
     """By how much all that follows a step stays behind the even grid through the step's start."""
     late = time - interval * np.arange(time.size)
-    window = max(SHORTEST_STRETCH, min(_CATCH_UP, time.size // 8))
+    window = max(SHORTEST_STRETCH, min(CATCH_UP, time.size // 8))
     # The smallest lateness of the `window` samples from each one on, by doubling.
     earliest = np.concatenate([late[1:], np.full(window, np.inf)])
     reach = 1

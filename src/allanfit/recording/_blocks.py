@@ -1,0 +1,244 @@
+"""A recording in blocks, checked as they come: `read_in_blocks`, for files larger than memory."""
+
+import itertools
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+
+from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, is_counter, split, usable
+from ._formats import read_blocks
+from ._load import (
+    about_units,
+    channel_of,
+    check_lengths,
+    check_rate,
+    clock_of,
+    columns_of,
+    units_of,
+)
+from ._recording import Channel, RecordingError, Table
+from ._timestamps import CATCH_UP
+from ._wording import count
+
+# Time stamps are judged over as many samples at least, as those of a short record are.
+_FEWEST = 16 * CATCH_UP
+
+Progress = Callable[[int, int], None]
+"""To be called after each block with how much is read, and of how much."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Samples of one channel, in SI units, that follow one another without a gap."""
+
+    channel: str
+    samples: Float64[np.ndarray, " samples"]
+    """Perhaps none, where only a stretch ends."""
+    ends: bool
+    """Whether the stretch that they belong to ends with them."""
+
+
+class Blocks:
+    """A recording whose samples come in runs, in order; iterate once.
+
+    `findings`, `rate_hz` and `lost` are those of the whole recording once all runs have come.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        channels: Sequence[str] | None,
+        rate_hz: float | None,
+        unit: str | None,
+        topic: str | None,
+        samples: int,
+        progress: Progress,
+    ):
+        self.name = path.name
+        self._path, self._progress = path, progress
+        self._tables = self._read(read_blocks(path, samples, topic))
+        first = next(self._tables, None)
+        if first is None:
+            raise RecordingError(f"{path.name} holds no samples.")
+        if rate_hz is None and first.rate_hz is not None:
+            rate_hz = first.rate_hz
+            check_rate(rate_hz, f"rate_hz in {path.name}")
+        self._given_hz = rate_hz
+        self._stamps, aside, _, self._asked = columns_of(path, first, channels)
+        self._units = units_of(self._asked, aside, first, unit)
+        self._findings = dict.fromkeys([*first.findings, *about_units(self._units)])
+        self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
+        self._doubts: list[tuple[int, tuple[str, ...]]] = []
+        self._judged = 0
+        self._rows = self._checked(first)
+        self._next = next(self._rows)
+        self.channels = self._first_look(*self._next, channels)
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples a second, so far."""
+        return self._given_hz or float(f"{self._samples / self._seconds:.9g}")
+
+    @property
+    def lost(self) -> float:
+        """Share of the samples that, by the time stamps, were lost a few at a time, so far."""
+        return self._lost / self._samples
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """About the file and its time stamps, so far."""
+        found = list(self._findings)
+        if self._breaks:
+            found.append(
+                f"The time stamps break {count(self._breaks, 'time')}: samples are missing there, "
+                "and nothing is put in place."
+            )
+        if self._doubts:
+            first, said = self._doubts[0]
+            found.append(
+                f"Time stamps were judged block by block; {len(self._doubts)} of {self._judged} "
+                f"blocks gave findings, first the one from sample {first}: {' '.join(said)}"
+            )
+        return tuple(found)
+
+    def __iter__(self) -> Iterator[Run]:
+        for values, breaks in itertools.chain([self._next], self._rows):
+            for channel in self.channels:
+                samples = values[channel.name] * channel.factor
+                yield from _runs(channel.name, samples, breaks)
+
+    def _read(self, blocks: Iterator) -> Iterator[Table]:
+        for block in blocks:
+            yield block.table
+            self._progress(block.read, block.whole)
+
+    def _checked(self, first: Table) -> Iterator[tuple[dict[str, np.ndarray], tuple[int, ...]]]:
+        """Columns of the channels, and where in them a gap ends."""
+        held = None
+        for table, following in itertools.pairwise(itertools.chain([first], self._tables, [None])):
+            assert table is not None
+            self._findings |= dict.fromkeys(table.findings)
+            columns = self._columns(table)
+            if held is not None:
+                columns = {
+                    name: np.concatenate([held[name], column]) for name, column in columns.items()
+                }
+            size = next(iter(columns.values())).size
+            known = size
+            if following is not None and self._stamps is not None:
+                if size < _FEWEST:
+                    held = columns
+                    continue
+                # Whether a step there is a gap is told by the samples to come.
+                known = size - CATCH_UP
+            breaks = self._judge(replace(table, columns=columns), known)
+            held = {name: column[known:] for name, column in columns.items()}
+            yield {name: columns[name][:known].astype(float) for name in self._asked}, breaks
+
+    def _columns(self, table: Table) -> dict[str, np.ndarray]:
+        size = max(column.size for column in table.columns.values())
+        # A column without a value in all of a block is not told from none.
+        columns = {name: table.columns.get(name, np.full(size, np.nan)) for name in self._asked}
+        if self._stamps is not None:
+            if self._stamps not in table.columns:
+                raise RecordingError(
+                    f"{self.name}: from sample {self._samples} on there are no time stamps."
+                )
+            columns[self._stamps] = table.columns[self._stamps]
+        check_lengths(self._path, replace(table, columns=columns), list(columns))
+        return columns
+
+    def _judge(self, table: Table, known: int) -> tuple[int, ...]:
+        clock = clock_of(self._path, table, self._stamps, self._given_hz)
+        size = next(iter(table.columns.values())).size
+        breaks = tuple(at for at in clock.breaks if at <= known and at < size)
+        said = tuple(each for each in clock.findings if not each.startswith("The time stamps have"))
+        if said:
+            self._doubts.append((self._samples, said))
+        self._judged += 1
+        self._breaks += len(breaks)
+        self._samples += known
+        self._seconds += known / clock.rate_hz
+        self._lost += known * clock.lost
+        return breaks
+
+    def _first_look(
+        self,
+        values: dict[str, np.ndarray],
+        breaks: tuple[int, ...],
+        channels: Sequence[str] | None,
+    ) -> tuple[Channel, ...]:
+        """The channels without their samples, with what the first of these tell."""
+        kept = []
+        for name in self._asked:
+            column, unit = values[name], self._units[name]
+            stretches = split(np.isfinite(column), tuple(at for at in breaks if at < column.size))
+            seen = usable(column, stretches)
+            if is_counter(seen):
+                why = "it changes the same way at every sample, as a counter or time stamps do"
+                if channels or len(self._asked) == 1:
+                    raise RecordingError(f"{self.name}: channel {name} cannot be analysed: {why}.")
+                self._findings[f"The channel {name} is left out: {why}."] = None
+                continue
+            about = ()
+            if seen.size >= FEWEST_SAMPLES and seen.min() < seen.max():
+                said = about_samples(column, stretches, unit.name, self.rate_hz)
+                about = tuple(f"In the first {column.size} samples: {each}" for each in said)
+            kept.append(channel_of(name, column, unit, stretches, about))
+        if not kept:
+            raise RecordingError(f"{self.name} has no channel to analyse.")
+        if all(usable(channel.samples, channel.stretches).size for channel in kept):
+            self._findings |= dict.fromkeys(about_gravity(kept))
+        return tuple(replace(each, samples=np.empty(0), stretches=()) for each in kept)
+
+
+def read_in_blocks(
+    path: str | os.PathLike[str],
+    *,
+    rate_hz: float | None = None,
+    channels: Sequence[str] | None = None,
+    unit: str | None = None,
+    topic: str | None = None,
+    block_samples: int = 2**20,
+    progress: Progress = lambda read, whole: None,
+) -> Blocks:
+    """Read a recording in blocks of about `block_samples`, by the rules of `load`.
+
+    CSV, NPY, NPZ, HDF5 and Parquet need no more memory than a few blocks. Other formats are read
+    as a whole first. What a block tells of its time stamps and values is found block by block, and
+    what takes all samples at once (saturation, repeats, code width) from the first of them.
+
+    **Arguments:** as for `load`; `progress` is called after each block with how much of the file
+    is read, and of how much.
+
+    **Raises** `RecordingError` as `load` does, also while the runs come.
+
+    ```python
+    for run in read_in_blocks("gyro.csv", rate_hz=200.0, unit="deg/s"):
+        run.channel, run.samples, run.ends
+    ```
+    """
+    if rate_hz is not None:
+        check_rate(rate_hz, "the rate given")
+    if block_samples < CATCH_UP:
+        raise RecordingError(f"Blocks need at least {CATCH_UP} samples; got {block_samples}.")
+    if isinstance(channels, str):
+        channels = (channels,)
+    return Blocks(Path(path), channels, rate_hz, unit, topic, block_samples, progress)
+
+
+def _runs(
+    channel: str, samples: Float64[np.ndarray, " samples"], breaks: tuple[int, ...]
+) -> Iterator[Run]:
+    finite = np.isfinite(samples)
+    changes = () if finite.all() else np.flatnonzero(np.diff(finite)) + 1
+    cuts = sorted({*breaks, *map(int, changes)})
+    for start, stop in itertools.pairwise((0, *cuts, samples.size)):
+        used = stop if finite[start:stop].all() else start
+        ends = stop in cuts or used < stop
+        if ends or used > start:
+            yield Run(channel, samples[start:used], ends)

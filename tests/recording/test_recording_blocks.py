@@ -1,0 +1,124 @@
+"""Files in blocks against the same files read as a whole."""
+
+import gzip
+import json
+
+import h5py
+import numpy as np
+import polars as pl
+import pytest
+
+from allanfit.recording import RecordingError, load, read_in_blocks
+
+ROWS = 50_000
+RATE_HZ = 100.0
+CODES = np.random.default_rng(7).integers(-5000, 5000, (ROWS, 2))
+
+
+@pytest.fixture
+def columns():
+    """Two channels with a gap in time, and in one of them values missing at a block's end."""
+    time = 1_700_000_000_000_000_000 + 10_000_000 * np.arange(ROWS)
+    time[30_000:] += 5_000_000_000
+    x, y = CODES.T / 1000
+    x[9_990:10_010] = np.nan
+    x[10_020] = np.nan
+    return {"time": time, "gyro_x": x, "gyro_y": y}
+
+
+def collected(blocks):
+    """Samples and stretches by channel, as `load` tells them."""
+    stretches = {channel.name: [[]] for channel in blocks.channels}
+    for run in blocks:
+        stretches[run.channel][-1].append(run.samples)
+        if run.ends:
+            stretches[run.channel].append([])
+    joined = {
+        name: [np.concatenate([np.empty(0), *pieces]) for pieces in each]
+        for name, each in stretches.items()
+    }
+    return {name: [each for each in found if each.size >= 16] for name, found in joined.items()}
+
+
+def write(path, columns):
+    named = {f"{name} [{'ns' if name == 'time' else 'deg/s'}]": columns[name] for name in columns}
+    if path.suffix in (".csv", ".txt", ".gz"):
+        frame = pl.DataFrame(named).with_columns(pl.selectors.float().fill_nan(None))
+        text = frame.write_csv().encode()
+        if path.suffix == ".txt":
+            text = text.replace(b"\n", b"\r\n")
+        path.write_bytes(gzip.compress(text) if path.suffix == ".gz" else text)
+    elif path.suffix == ".parquet":
+        pl.DataFrame(named).write_parquet(path)
+    elif path.suffix == ".npz":
+        units = dict.fromkeys(("gyro_x", "gyro_y"), "deg/s") | {"time": "ns"}
+        np.savez_compressed(path, **columns, units=json.dumps(units))
+    else:
+        with h5py.File(path, "w") as file:
+            for name, column in columns.items():
+                data = file.create_dataset(f"imu/{name}", data=column, compression="gzip")
+                data.attrs["unit"] = "ns" if name == "time" else "deg/s"
+
+
+@pytest.mark.parametrize("ending", ["csv", "txt", "csv.gz", "parquet", "npz", "h5"])
+def test_blocks_hold_what_the_whole_file_holds(ending, columns, tmp_path):
+    path = tmp_path / f"gyro.{ending}"
+    write(path, columns)
+    read = []
+    blocks = read_in_blocks(path, block_samples=5000, progress=lambda *share: read.append(share))
+    found, whole = collected(blocks), load(path)
+    assert blocks.rate_hz == pytest.approx(RATE_HZ, rel=1e-9)
+    assert list(found) == ["gyro_x", "gyro_y"]
+    for channel in whole.channels:
+        expected = [channel.samples[start:stop] for start, stop in channel.stretches]
+        assert len(expected) == (3 if channel.name == "gyro_x" else 2)
+        assert [each.size for each in found[channel.name]] == [each.size for each in expected]
+        for one, other in zip(found[channel.name], expected, strict=True):
+            np.testing.assert_array_equal(one, other)
+    assert [each.si_unit for each in blocks.channels] == ["rad/s", "rad/s"]
+    assert any("break 1 time" in finding for finding in blocks.findings)
+    assert len(read) > 2
+    assert read[-1][0] == read[-1][1]
+    assert read == sorted(read)
+
+
+def test_a_mapped_array_needs_its_rate(tmp_path):
+    path = tmp_path / "a.npy"
+    np.save(path, CODES)
+    with pytest.raises(RecordingError, match="give it with --rate"):
+        read_in_blocks(path)
+    found = collected(read_in_blocks(path, rate_hz=50.0, unit="deg/s", block_samples=7000))
+    (samples,) = found["channel_2"]
+    np.testing.assert_allclose(samples, CODES[:, 1] * (np.pi / 180), rtol=1e-15)
+
+
+def test_a_word_in_a_later_block_is_told_with_its_line(tmp_path):
+    path = tmp_path / "a.csv"
+    lines = ["data", *(f"{code / 1000}" for code in CODES[:, 0])]
+    lines[45_000] = "stop"
+    path.write_text("\n".join(lines))
+    with pytest.raises(RecordingError, match=r"line 45001, column data: 'stop' is not a number"):
+        list(read_in_blocks(path, rate_hz=50.0, block_samples=4000))
+
+
+@pytest.mark.parametrize("name", ["a.npz", "a.csv.gz", "a.h5", "a.parquet", "a.npy"])
+def test_damage_is_one_sentence(name, columns, tmp_path):
+    path = tmp_path / name
+    write(path, columns) if name != "a.npy" else np.save(path, CODES)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(RecordingError, match="cut off"):
+        list(read_in_blocks(path, rate_hz=50.0, block_samples=5000))
+
+
+def test_what_has_no_samples_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("x\n")
+    with pytest.raises(RecordingError):
+        read_in_blocks(tmp_path / "a.csv", rate_hz=1.0)
+    with pytest.raises(RecordingError, match="There is no file"):
+        read_in_blocks(tmp_path / "none.csv")
+    with pytest.raises(RecordingError, match="at least 1024"):
+        read_in_blocks(tmp_path / "a.csv", block_samples=0)
+    path = tmp_path / "counter.npy"
+    np.save(path, np.arange(1000))
+    with pytest.raises(RecordingError, match="as a counter"):
+        read_in_blocks(path, rate_hz=1.0)
