@@ -200,5 +200,5 @@ def test_document_and_table_of_an_array(monkeypatch):
     sizes = np.round(np.array(channel["curves"]["allan"]["tau_s"]) * 50).astype(int)
     assert {2**k for k in range(12)} <= set(sizes)
     # A notebook shows each result that ends a cell: no advice for that, which takes seconds.
-    monkeypatch.delattr("allanfit.plan.advice")
+    monkeypatch.delattr("allanfit.identify._recording_fit.ChannelFit.advice")
     assert "data, 50 Hz, 2.73 min: 95 % intervals" in fit._repr_html_()
