@@ -124,20 +124,19 @@ def fit(
                 seed=seed,
                 progress=progress,
             )
-        _deliver(result, json, report)
-        return
-    found = load_with_progress(recording, rate, channel, unit, topic)
-    with channel_by_channel("fitting", len(found.channels)) as (announce, done):
-        result = fit_recording(
-            found,
-            posterior=posterior,
-            sampling=sampling,
-            temperature=temperature,
-            datasheet=sheet,
-            seed=seed,
-            announce=announce,
-            done=done,
-        )
+    else:
+        found = load_with_progress(recording, rate, channel, unit, topic)
+        with channel_by_channel("fitting", len(found.channels)) as (announce, done):
+            result = fit_recording(
+                found,
+                posterior=posterior,
+                sampling=sampling,
+                temperature=temperature,
+                datasheet=sheet,
+                seed=seed,
+                announce=announce,
+                done=done,
+            )
     deliver(
         result.to_dict(),
         format_text,

@@ -83,9 +83,8 @@ def _opened(path: Path) -> Iterator[dict[Place, Any]]:
     """Groups and arrays of a file by their place, the file itself at the empty one."""
     with needs("allanfit[io]", "HDF5 files", RecordingError):
         import h5py
-        from h5py import h5o
     with careful(path, "an HDF5 file"), h5py.File(path, "r") as file:
-        yield {(): file} | dict(_items((), file, {h5o.get_info(file.id).addr}))
+        yield {(): file} | dict(_items((), file, {_address(file)}))
 
 
 def _tree(path: Path, rows: _Rows | None = None) -> Tree:
@@ -108,7 +107,6 @@ def _tree(path: Path, rows: _Rows | None = None) -> Tree:
 def _items(place: Place, group: Any, known: set[int]) -> Iterator[tuple[Place, Any]]:
     """Groups and arrays in a group and below, each once, however many names it has."""
     import h5py
-    from h5py import h5o
 
     if len(place) > _DEEPEST:
         raise RecordingError(
@@ -120,13 +118,21 @@ def _items(place: Place, group: Any, known: set[int]) -> Iterator[tuple[Place, A
         if not own or (not place and name in _INTERNAL):
             continue
         item = group[name]
-        address = h5o.get_info(item.id).addr
+        address = _address(item)
         if address in known:
             continue
         known.add(address)
         yield (*place, name), item
         if isinstance(item, h5py.Group):
             yield from _items((*place, name), item, known)
+
+
+def _address(item: Any) -> int:
+    """Where in the file it is, under whatever name."""
+    # The stubs of h5py know its low-level modules by their full names alone.
+    from h5py import h5o  # pyright: ignore[reportAttributeAccessIssue]
+
+    return h5o.get_info(item.id).addr
 
 
 def _attributes(place: Place, item: Any) -> list[Leaf]:
