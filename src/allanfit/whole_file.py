@@ -13,7 +13,8 @@ def replacing(path: Path) -> Iterator[Path]:
     A reader never sees half a file, and a failure leaves the old one as it was. A link keeps
     pointing where it did: what it points to is replaced.
     """
-    path = path.resolve()
+    # Unlike `Path.resolve`, it takes links that lead in a ring.
+    path = Path(os.path.realpath(path))
     # The process number keeps two runs apart; `tempfile` would make the file private to its
     # owner, where a plain `open` follows the user's umask.
     part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")

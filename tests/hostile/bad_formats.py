@@ -2,7 +2,6 @@
 """Files of the formats of the extra `io` that must be refused, and what has to be said."""
 
 import io
-import sqlite3
 import struct
 import zlib
 from collections.abc import Callable
@@ -230,19 +229,6 @@ def bomb_mcap(path: Path) -> None:
     )
 
 
-def vast_messages(path: Path) -> None:
-    """Messages of 100 MB that take no room in the file."""
-    path.write_bytes(GOOD[".db3"])
-    with sqlite3.connect(path) as base:
-        base.execute(
-            "CREATE TABLE new(id INTEGER, topic_id INTEGER, timestamp INTEGER, data BLOB AS (zeroblob(100000000)))"
-        )
-        base.execute("INSERT INTO new SELECT id, topic_id, timestamp FROM messages")
-        base.execute("DROP TABLE messages")
-        base.execute("ALTER TABLE new RENAME TO messages")
-    base.close()
-
-
 def unfinished(path: Path) -> None:
     """A good database, and beside it messages that are not in it yet."""
     path.write_bytes(GOOD[".db3"])
@@ -282,6 +268,7 @@ BAD = {
     "nan alone in hdf5": Bad("a.h5", hdf5(x=np.full(400, np.nan)), "0 usable samples"),
     "nan alone in mat": Bad("a.mat", mat(x=np.full(400, np.nan)), "0 usable samples"),
     "nan alone in a log": Bad("a.ulg", ulog([(4000 * k, *3 * [np.nan]) for k in range(400)]), "0 usable samples", ()),
+    "a definition that goes on beyond the log": Bad("a.ulg", GOOD[".ulg"][:16] + b"\x50\x00Z" + bytes(70), "before its data begin", ()),
     "no messages in a log": Bad("a.ulg", ulog([]), "holds no messages", ()),
     "a log of one time": Bad("a.ulg", ulog([(5, *row[:3]) for row in ROWS]), "do not increase", ()),
     "no rows": Bad("a.parquet", parquet_file({"x": np.zeros(0)}), "0 usable samples"),
@@ -310,7 +297,6 @@ BAD = {
     "a mat that swells": Bad("a.mat", bomb_mat, "swells"),
     "a bag that swells": Bad("a.bag", bomb_bag, "larger than it may be|swells", ()),
     "an mcap that swells": Bad("a.mcap", bomb_mcap, "swells", ()),
-    "messages that swell": Bad("a.db3", vast_messages, "longer than any", ()),
     # What SQLite does by itself
     "messages in a journal": Bad("a.db3", unfinished, "a.db3 was not closed, and a.db3-wal", ()),
     "a question mark": Bad("a?mode=rw.db3", under("a"), "has a [?] in its path", ()),

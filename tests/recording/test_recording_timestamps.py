@@ -236,6 +236,9 @@ def test_load_does_without_useless_stamps_when_the_rate_is_known(archive, noise)
 def test_stamps_that_are_text_are_named_when_no_rate_is_known(write, noise):
     rows = [f"12:00:{k / 100:05.2f},{value}" for k, value in enumerate(noise[:, 0])]
     path = write("clock.csv", "time,gyro_x [deg/s]\n" + "\n".join(rows))
-    with pytest.raises(RecordingError, match=r"--rate, in Hz\. The column time holds text"):
+    with pytest.raises(
+        RecordingError,
+        match=r"--rate, in Hz, or call the time stamps `time`\. The column time holds text",
+    ):
         load(path)
     assert load(path, rate_hz=100.0).findings == ("The column time holds text and is left out.",)

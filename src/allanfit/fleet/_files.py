@@ -20,17 +20,17 @@ def find_recordings(given: Sequence[str | os.PathLike[str]], apart_from: Path) -
 
     **Raises** `FleetError` for a folder or a pattern without recordings.
     """
-    found: dict[Path, Path] = {}
+    found: dict[str, Path] = {}
     for each in map(Path, given):
-        for path in _expanded(each, apart_from.resolve()):
+        for path in _expanded(each, os.path.realpath(apart_from)):
             # A link and what it points to are one recording.
-            found.setdefault(path.resolve(), path.absolute())
+            found.setdefault(os.path.realpath(path), path.absolute())
     if not found:
         raise FleetError("No recordings are given: give files, folders or patterns.")
     return tuple(found.values())
 
 
-def _expanded(given: Path, apart_from: Path) -> list[Path]:
+def _expanded(given: Path, apart_from: str) -> list[Path]:
     if given.is_dir() and not is_recording(given):
         inside = sorted(path for path in given.iterdir() if _wanted(path, apart_from))
         if not inside:
@@ -48,9 +48,9 @@ def _expanded(given: Path, apart_from: Path) -> list[Path]:
     return inside
 
 
-def _wanted(path: Path, apart_from: Path) -> bool:
+def _wanted(path: Path, apart_from: str) -> bool:
     hidden = path.name.startswith(".")
-    ours = apart_from in path.resolve().parents
+    ours = Path(apart_from) in Path(os.path.realpath(path)).parents
     # The files in the folder of a ROS 2 bag are one recording, the folder.
     part = is_recording(path.parent)
     return is_recording(path) and path.exists() and not hidden and not ours and not part

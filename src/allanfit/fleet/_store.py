@@ -42,7 +42,7 @@ class Store:
 
     def part(self, recording: Path) -> Path:
         """Where the result of a recording is: named by it, and told apart by its whole path."""
-        digest = hashlib.sha256(os.fsencode(recording.resolve())).hexdigest()[:12]
+        digest = hashlib.sha256(os.fsencode(os.path.realpath(recording))).hexdigest()[:12]
         name = recording.name.encode("utf-8", "replace").decode()[:_NAME_LETTERS]
         return self.parts / f"{name.lstrip('.')}-{digest}.parquet"
 

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 import polars as pl
@@ -106,7 +105,7 @@ def _table(file: str, text: bytes, layout: _Layout) -> Table:
 
 
 @contextmanager
-def _unpacked(path: Path, file: IO[bytes]) -> Iterator[IO[bytes] | gzip.GzipFile]:
+def _unpacked(path: Path, file: io.BufferedIOBase) -> Iterator[io.BufferedIOBase]:
     """What is in the file, unzipped where it is a .gz."""
     if path.suffix != ".gz":
         yield file
@@ -120,7 +119,7 @@ def _unpacked(path: Path, file: IO[bytes]) -> Iterator[IO[bytes] | gzip.GzipFile
         ) from error
 
 
-def _whole(path: Path, stream: IO[bytes] | gzip.GzipFile) -> bytes:
+def _whole(path: Path, stream: io.BufferedIOBase) -> bytes:
     text = io.BytesIO()
     while chunk := stream.read(_CHUNK):
         text.write(chunk)

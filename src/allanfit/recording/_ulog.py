@@ -19,6 +19,9 @@ Fields = dict[str, np.ndarray]
 
 _GYRO = {f"gyro_{axis}": "rad/s" for axis in "xyz"}
 _ACCEL = {f"accel_{axis}": "m/s^2" for axis in "xyz"}
+# Bytes before the first message, and the types of messages that follow the definitions.
+_HEADER = 16
+_DATA_BEGINS = (b"A", b"L", b"C")
 # Fields of types in types multiply; no message of PX4 has more.
 _MOST_FIELDS = 10_000
 
@@ -123,10 +126,29 @@ def _opened(path: Path) -> Iterator[Any]:
     with needs("allanfit[io]", "logs of PX4", RecordingError):
         from pyulog import ULog
     with careful(path, "an ULog file"):
+        _require_definitions(path)
         with path.open("rb") as file:
             _refuse_vast_types(ULog(file, parse_header_only=True).message_formats)
         with path.open("rb") as file:
             yield ULog(file, list(_KINDS))
+
+
+def _require_definitions(path: Path) -> None:
+    """See that the messages before the data end within the file.
+
+    From one that does not, pyulog steps back and comes to it again, for ever.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        file.seek(_HEADER)
+        while head := file.read(3):
+            if len(head) < 3 or head[2:] in _DATA_BEGINS:
+                return
+            if file.seek(int.from_bytes(head[:2], "little"), 1) > size:
+                raise RecordingError(
+                    f"{path.name} is not an ULog file that can be read: it ends, or is damaged, "
+                    "before its data begin."
+                )
 
 
 def _refuse_vast_types(formats: dict[str, Any]) -> None:

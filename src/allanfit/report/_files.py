@@ -20,7 +20,7 @@ def write_whole(text: str, target: str | os.PathLike[str]) -> None:
         sys.stdout.write(text)
         return
     # A link keeps pointing where it did: what it points to is replaced.
-    path = Path(target).resolve()
+    path = Path(os.path.realpath(target))
     # File names in odd encodings reach Python as lone surrogates, which UTF-8 cannot hold.
     content = text.encode("utf-8", errors="replace")
     try:
