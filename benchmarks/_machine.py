@@ -1,7 +1,9 @@
-"""What numbers were measured on."""
+"""What numbers were measured on, and how time is taken."""
 
 import os
 import platform
+import time
+from collections.abc import Callable
 from importlib.metadata import version
 
 import jax
@@ -16,3 +18,13 @@ def machine(*peers: str) -> dict:
         "devices": [device.device_kind for device in jax.local_devices()],
         "versions": {name: version(name) for name in ("allanfit", "jax", "numpy", *peers)},
     }
+
+
+def fastest(run: Callable[[], object], times: int) -> float:
+    """Seconds of the fastest of several runs."""
+    seconds = []
+    for _ in range(times):
+        start = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)

@@ -9,7 +9,6 @@ without reading it once.
 import argparse
 import json
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import allantools
@@ -19,19 +18,9 @@ import numpy as np
 
 import allanfit
 
-from ._machine import machine
+from ._machine import fastest, machine
 
 RESULTS = Path(__file__).parent / "results" / "allan.json"
-
-
-def best(run: Callable[[], object], times: int) -> float:
-    """Seconds of the fastest of several runs."""
-    seconds = []
-    for _ in range(times):
-        start = time.perf_counter()
-        run()
-        seconds.append(time.perf_counter() - start)
-    return min(seconds)
 
 
 def main(arguments=None):
@@ -60,8 +49,8 @@ def main(arguments=None):
     start = time.perf_counter()
     found = np.asarray(ours())
     first = time.perf_counter() - start
-    fast, slow = best(ours, asked.runs), best(theirs, max(asked.runs // 2, 1))
-    copy = best(lambda: x.copy(), asked.runs)
+    fast, slow = fastest(ours, asked.runs), fastest(theirs, max(asked.runs // 2, 1))
+    copy = fastest(lambda: x.copy(), asked.runs)
     document = {
         "channels": asked.channels,
         "samples": asked.samples,

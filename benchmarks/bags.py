@@ -6,7 +6,6 @@ python -m benchmarks.bags [--messages 200000] [--runs 3]
 import argparse
 import json
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from allanfit.recording import load
 
-from ._machine import machine
+from ._machine import fastest, machine
 
 TYPE = "sensor_msgs/msg/Imu"
 FORMATS = {
@@ -63,16 +62,6 @@ def one_by_one(path, store, plugin):
     return np.array(rows)
 
 
-def timed(run, times):
-    """Seconds of the fastest of several runs."""
-    seconds = []
-    for _ in range(times):
-        start = time.perf_counter()
-        run()
-        seconds.append(time.perf_counter() - start)
-    return min(seconds)
-
-
 def main(arguments=None):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -85,8 +74,8 @@ def main(arguments=None):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / file
             store = write(path, plugin, asked.messages)
-            ours = timed(lambda path=path: load(path), asked.runs)
-            theirs = timed(lambda *a, p=path, s=store, g=plugin: one_by_one(p, s, g), 1)
+            ours = fastest(lambda path=path: load(path), asked.runs)
+            theirs = fastest(lambda *a, p=path, s=store, g=plugin: one_by_one(p, s, g), 1)
             found[name] = {
                 "messages_per_second": round(asked.messages / ours),
                 "one_by_one": round(asked.messages / theirs),

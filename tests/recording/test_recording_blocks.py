@@ -92,6 +92,25 @@ def test_a_mapped_array_needs_its_rate(tmp_path):
     np.testing.assert_allclose(samples, CODES[:, 1] * (np.pi / 180), rtol=1e-15)
 
 
+def test_only_the_last_line_may_be_short(tmp_path):
+    lines = [
+        f"{value:.6f},{value / 3:.6f}" for value in np.random.default_rng(5).normal(size=40_000)
+    ]
+    path = tmp_path / "gyro.csv"
+
+    def written(short):
+        cut = [line.partition(",")[0] if k == short else line for k, line in enumerate(lines)]
+        path.write_text("gyro_x [deg/s],gyro_y [deg/s]\n" + "\n".join(cut) + "\n")
+        return read_in_blocks(path, rate_hz=100.0, block_samples=1024)
+
+    # Here and there, and everywhere about the end of the first block, which has half a MB.
+    end = int(np.searchsorted(np.cumsum([len(line) + 1 for line in lines]), 2**19))
+    for short in (100, *range(end - 6, end + 6), 39_998):
+        with pytest.raises(RecordingError, match=f"line {short + 2} has 1 field"):
+            collected(written(short))
+    assert collected(written(39_999))["gyro_x"][0].size == 40_000
+
+
 def test_a_word_in_a_later_block_is_told_with_its_line(tmp_path):
     path = tmp_path / "a.csv"
     lines = ["data", *(f"{code / 1000}" for code in CODES[:, 0])]

@@ -2,14 +2,14 @@
 
 import itertools
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float64
 
-from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, is_counter, split, usable
+from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_counter
 from ._formats import read_blocks
 from ._load import (
     about_units,
@@ -20,15 +20,12 @@ from ._load import (
     columns_of,
     units_of,
 )
-from ._recording import Channel, RecordingError, Table
+from ._recording import Channel, Progress, RecordingError, Table
 from ._timestamps import CATCH_UP
 from ._wording import count
 
 # Time stamps are judged over as many samples at least, as those of a short record are.
 _FEWEST = 16 * CATCH_UP
-
-Progress = Callable[[int, int], None]
-"""To be called after each block with how much is read, and of how much."""
 
 
 @dataclass(frozen=True)
@@ -178,8 +175,7 @@ class Blocks:
             column, unit = values[name], self._units[name]
             stretches = split(np.isfinite(column), tuple(at for at in breaks if at < column.size))
             seen = usable(column, stretches)
-            if is_counter(seen):
-                why = "it changes the same way at every sample, as a counter or time stamps do"
+            if why := why_counter(seen):
                 if channels or len(self._asked) == 1:
                     raise RecordingError(f"{self.name}: channel {name} cannot be analysed: {why}.")
                 self._findings[f"The channel {name} is left out: {why}."] = None

@@ -61,18 +61,18 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
         return f"it holds values as large as {largest:.1g}, which no sensor gives"
     if (range_ := np.ptp(samples)) < _SMALLEST:
         return f"it varies by {range_:.1g} in all, which no sensor can tell"
-    if is_counter(samples):
-        return (
-            "it changes the same way at every sample, as a counter or time stamps do, or an angle "
-            "or a velocity that was summed up"
-        )
-    return ""
+    return why_counter(samples)
 
 
-def is_counter(samples: Float64[np.ndarray, " usable"]) -> bool:
-    """Whether samples rise all the time, or fall all the time."""
+def why_counter(samples: Float64[np.ndarray, " usable"]) -> str:
+    """Why samples that rise all the time, or fall all the time, are no noise; nothing of others."""
     steps = np.diff(samples)
-    return bool(steps.size) and bool(steps.min() > 0 or steps.max() < 0)
+    if not steps.size or steps.min() <= 0 <= steps.max():
+        return ""
+    return (
+        "it changes the same way at every sample, as a counter or time stamps do, or an angle or a "
+        "velocity that was summed up"
+    )
 
 
 def about_samples(

@@ -11,8 +11,8 @@ from ._hdf5 import hdf5_blocks, hdf5_topics, read_hdf5
 from ._mat import mat_topics, read_mat
 from ._npz import npy_blocks, npz_blocks, read_npy, read_npz
 from ._parquet import parquet_blocks, read_parquet
-from ._recording import Block, RecordingError, Table, table_blocks
-from ._ros import Progress, is_ros2_bag, read_ros, ros_topics
+from ._recording import Block, Progress, RecordingError, Table, table_blocks
+from ._ros import is_ros2_bag, read_ros, ros_topics
 from ._topics import Topic, topic_of
 from ._ulog import read_ulog, ulog_topics
 

@@ -11,8 +11,7 @@ import numpy as np
 from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
 from ._mistakes import about_mistakes
-from ._recording import Channel, Recording, RecordingError, Table
-from ._ros import Progress
+from ._recording import Channel, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, is_time, read_clock
 from ._units import Unit, parse_unit

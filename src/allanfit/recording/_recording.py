@@ -1,6 +1,6 @@
 """What a recording is, once it is read and checked."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -76,6 +76,10 @@ class Block:
     read: int
     """How much of the file is read up to the end of this block, of `whole`."""
     whole: int
+
+
+Progress = Callable[[int, int], None]
+"""To be called now and then with how much of a file is read, and of how much."""
 
 
 def table_blocks(table: Table, samples: int) -> Iterator[Block]:

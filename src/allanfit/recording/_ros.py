@@ -1,6 +1,6 @@
 """ROS 1 bags, ROS 2 bags (a folder, or an `.db3` file) and MCAP, read without ROS."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -10,15 +10,12 @@ from jaxtyping import Float64, Int64
 
 from ..extras import needs
 from ._damage import careful
-from ._recording import RecordingError, Table
+from ._recording import Progress, RecordingError, Table
 from ._ros1 import ros1_counts, ros1_messages, ros1_reader
 from ._ros2 import chunks_within_bounds, messages_apart, refuse_swelling_files, refuse_unfinished
 from ._ros_messages import LAYOUTS, Layout, decode
 from ._topics import Topic, choose_topic
 from ._wording import count
-
-Progress = Callable[[int, int], None]
-"""To be called now and then with how many messages are read, and of how many."""
 
 # Messages of two minutes or so: enough to be quick, few enough to hold.
 _BLOCK = 32_768
