@@ -242,3 +242,39 @@ def test_stamps_that_are_text_are_named_when_no_rate_is_known(write, noise):
     ):
         load(path)
     assert load(path, rate_hz=100.0).findings == ("The column time holds text and is left out.",)
+
+
+@pytest.mark.parametrize(
+    ("name", "ticks_per_s"),
+    [
+        ("time", 1),
+        ("Zeit [s]", 1),
+        ("Time since start (ms)", 1000),
+        ("TimeUS", 1_000_000),
+        ("sensor_timestamp_ns", 10**9),
+        ("time stamp", 1),
+        ("seconds_elapsed", 1),
+        ("millis", 1000),
+        ("Elapsed (sec)", 1),
+        ("ts_ms", 1000),
+    ],
+)
+def test_columns_of_time_have_many_names(name, ticks_per_s, tmp_path):
+    path = tmp_path / "gyro.csv"
+    noise = np.random.default_rng(3).normal(size=600)
+    rows = [f"{k * ticks_per_s / 50:g},{value:.6f}" for k, value in enumerate(noise)]
+    path.write_text(f"{name},gyro_x [deg/s]\n" + "\n".join(rows))
+    recording = load(path)
+    assert [channel.name for channel in recording.channels] == ["gyro_x"]
+    assert recording.rate_hz == pytest.approx(50.0, rel=1e-4)
+    assert not any("are taken to be in" in finding for finding in recording.findings)
+
+
+def test_a_column_called_time_comes_before_others_with_its_unit(tmp_path):
+    path = tmp_path / "gyro.csv"
+    noise = np.random.default_rng(4).normal(size=600)
+    rows = [f"{(k % 5) * 20},{k / 50:.2f},{value:.6f}" for k, value in enumerate(noise)]
+    path.write_text("interval [ms],time,gyro_x [deg/s]\n" + "\n".join(rows))
+    recording = load(path)
+    assert [channel.name for channel in recording.channels] == ["gyro_x"]
+    assert recording.rate_hz == pytest.approx(50.0)

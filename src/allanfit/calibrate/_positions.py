@@ -12,7 +12,7 @@ from jaxtyping import Float64
 from ..recording import Recording, is_recording, load
 from ..recording._csv import read_csv
 from ..recording._files import require_file
-from ..recording._timestamps import is_time
+from ..recording._timestamps import time_columns
 from ..recording._units import Unit, parse_unit
 from ._still import still_means
 
@@ -66,7 +66,7 @@ def read_positions(
     if not (path.is_dir() and is_recording(path)):
         require_file(path)
     table = read_csv(path) if path.name.lower().endswith(_TEXT) else None
-    if rate_hz is not None or table is None or any(is_time(name) for name in table.columns):
+    if rate_hz is not None or table is None or time_columns(table.columns, table.units):
         found = load(path, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic)
         return _cut(found, gravity)
     columns = table.columns

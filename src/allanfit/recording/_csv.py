@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from ._csv_layout import BRACKETED, HEAD, MISSING, Layout, find_layout, is_number, nameless
+from ._csv_layout import HEAD, MISSING, Layout, find_layout, is_number, nameless
 from ._files import refuse_bomb
 from ._recording import Block, RecordingError, Table
 from ._timestamps import is_time
@@ -158,7 +158,7 @@ def _parse(file: str, body: bytes, layout: Layout, ended: bool) -> pl.DataFrame:
         )
 
     types = [
-        _type(name, field, layout.decimal_comma)
+        _type(field, layout.decimal_comma, is_time(name, layout.units.get(name, "")))
         for name, field in zip(layout.names, layout.first, strict=True)
     ]
     # On a mark at the very end the parser panics, and says so on its own.
@@ -223,8 +223,7 @@ def _other_length(file: str, line: int, found: int, layout: Layout) -> Recording
     )
 
 
-def _type(name: str, field: str, decimal_comma: bool) -> type:
+def _type(field: str, decimal_comma: bool, time: bool) -> type:
     if not is_number(field, decimal_comma) and field not in MISSING:
         return pl.String
-    exact = is_time(BRACKETED.sub(r"\1", name)) and field.isdigit() and len(field) > _EXACT_DIGITS
-    return pl.Int64 if exact else pl.Float64
+    return pl.Int64 if time and field.isdigit() and len(field) > _EXACT_DIGITS else pl.Float64

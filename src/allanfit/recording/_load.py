@@ -13,7 +13,7 @@ from ._formats import read_table
 from ._mistakes import about_mistakes
 from ._recording import Channel, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
-from ._timestamps import Clock, is_time, read_clock
+from ._timestamps import Clock, read_clock, time_columns
 from ._units import Unit, parse_unit
 
 # From a clock compared once a week to what no converter reaches.
@@ -124,10 +124,10 @@ def columns_of(
     warm = {
         name for name in table.columns if is_temperature(name, table.units.get(name, ""), table)
     }
-    stamps = next((name for name in table.columns if is_time(name) and name not in warm), None)
-    names = [name for name in table.columns if not is_time(name) or name in warm]
+    times = [name for name in time_columns(table.columns, table.units) if name not in warm]
+    names = [name for name in table.columns if name not in times]
     aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
-    return stamps, aside, warm, _asked(path, names, aside, channels)
+    return next(iter(times), None), aside, warm, _asked(path, names, aside, channels)
 
 
 def _asked(

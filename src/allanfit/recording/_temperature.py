@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from ._recording import Channel, Table
-from ._timestamps import SHORTEST_STRETCH, Clock, is_time
+from ._timestamps import SHORTEST_STRETCH, Clock, time_columns
 from ._units import temperature_scale
 from ._wording import count, percent
 
@@ -22,7 +22,7 @@ def is_temperature(name: str, unit: str, table: Table) -> bool:
     """Whether a column holds a temperature: by its name, its unit, or as `T` beside the time."""
     if _NAME.match(name) or temperature_scale(unit) is not None:
         return True
-    return name == "T" and any(is_time(other) and other != name for other in table.columns)
+    return name == "T" and any(other != name for other in time_columns(table.columns, table.units))
 
 
 def read_temperature(

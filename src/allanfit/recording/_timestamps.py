@@ -6,6 +6,7 @@ what follows: after a delay later stamps catch up with the even grid, after a ga
 """
 
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,14 @@ SHORTEST_STRETCH = 16
 
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _SPELLINGS = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "nsec": "ns"}
-_NAME = re.compile(r"(?:time|timestamp|t)(?:_(s|ms|us|ns))?", re.IGNORECASE)
+_WHOSE = "elapsed|epoch|unix|utc|gps|ros|system|sys|host|device|dev|sensor|sample|header|log"
+_NAME = re.compile(
+    rf"(?:(?:(?:{_WHOSE})[_ ]?)?time(?:[_ ]?stamps?)?(?:[_ ]?elapsed)?|stamps?|t|ts|elapsed|zeit)"
+    r"(?:_(s|sec)|_?(ms|us|ns|msec|usec|nsec))?",
+    re.IGNORECASE,
+)
+# Loggers that count give the unit as the name.
+_COUNTS = {"millis": "ms", "micros": "us", "nanos": "ns", "seconds_elapsed": "s"}
 
 # Stamps catch up within a burst or a blocked moment; no transport holds more samples than this.
 CATCH_UP = 1024
@@ -42,9 +50,24 @@ class Clock:
     """Share of the samples that were lost a few at a time."""
 
 
-def is_time(name: str) -> bool:
-    """Whether a column of this name holds time stamps."""
-    return _NAME.fullmatch(name) is not None
+def is_time(name: str, unit: str = "") -> bool:
+    """Whether a column holds times, by its name or by its unit."""
+    return _has_name_of_time(name) or _plain_unit(unit) in _SECONDS
+
+
+def time_columns(columns: Iterable[str], units: Mapping[str, str]) -> list[str]:
+    """Those that hold times; the likeliest time stamps, which are called so, come first."""
+    times = [name for name in columns if is_time(name, units.get(name, ""))]
+    return sorted(times, key=lambda name: not _has_name_of_time(name))
+
+
+def _has_name_of_time(name: str) -> bool:
+    return _NAME.fullmatch(name) is not None or name.lower() in _COUNTS
+
+
+def _plain_unit(unit: str) -> str:
+    plain = unit.strip().replace("µ", "u").replace("μ", "u").lower()
+    return _SPELLINGS.get(plain, plain)
 
 
 def read_clock(
@@ -143,8 +166,8 @@ def _tick(
 ) -> tuple[float, tuple[str, ...]]:
     """Seconds in one unit of the stamps, and a finding when that had to be inferred."""
     suffix = _NAME.fullmatch(name)
-    spelled = unit.strip().replace("µ", "u").replace("μ", "u").lower()
-    stated = _SPELLINGS.get(spelled, spelled) or ((suffix and suffix[1]) or "").lower()
+    in_name = _COUNTS.get(name.lower(), (suffix and (suffix[1] or suffix[2])) or "")
+    stated = _plain_unit(unit or in_name)
     if stated:
         if stated not in _SECONDS:
             raise _unusable(f"their unit '{unit}' is none of s, ms, us and ns")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ._recording import RecordingError, Table
-from ._timestamps import is_time, read_clock
+from ._timestamps import read_clock, time_columns
 from ._wording import count
 
 
@@ -28,7 +28,8 @@ class Topic:
 
 def topic_of(table: Table, name: str = "") -> Topic:
     """What a table holds."""
-    stamps = next((column for column in table.columns if is_time(column)), None)
+    times = time_columns(table.columns, table.units)
+    stamps = next(iter(times), None)
     rate_hz = table.rate_hz
     if rate_hz is None and stamps is not None:
         try:
@@ -36,7 +37,7 @@ def topic_of(table: Table, name: str = "") -> Topic:
             rate_hz = read_clock(values, stamps, unit, None).rate_hz
         except RecordingError:
             rate_hz = None
-    channels = [column for column in table.columns if not is_time(column)]
+    channels = [column for column in table.columns if column not in times]
     samples = max((table.columns[column].size for column in channels), default=0)
     units = {column: table.units.get(column, "") for column in channels}
     return Topic(name, "", samples, rate_hz, units)

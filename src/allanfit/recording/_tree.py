@@ -54,7 +54,7 @@ class Leaf:
     @property
     def is_clock(self) -> bool:
         """Whether it holds time stamps."""
-        return self.array.ndim == 1 and self.length > 0 and is_time(self.name)
+        return self.array.ndim == 1 and self.length > 0 and is_time(self.name, self.unit)
 
 
 @dataclass(frozen=True)
