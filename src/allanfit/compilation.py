@@ -6,9 +6,18 @@ programs, call this.
 
 import os
 import warnings
+from importlib.metadata import version
 from pathlib import Path
 
 import jax
+
+# What they leave out takes as long as the rest of compiling, and gains nothing in a program that
+# ends within the minute.
+_FEWER_OPTIMISATIONS = "--xla_backend_optimization_level=1"
+# XLA's newer way to write fused loops, which takes twice as long and makes them no faster here.
+_OLDER_LOOPS = "--xla_cpu_use_fusion_emitters=false"
+# Flags come and go, and one that XLA does not know ends the process: releases that know this one.
+_KNOW_OLDER_LOOPS = ((0, 7), (0, 11))
 
 # The programs of one fit take less than a megabyte; every new length adds a part of that.
 _MOST_BYTES = 256 * 2**20
@@ -26,11 +35,10 @@ def configure_program() -> None:
 def shorten_compilation(folder: Path) -> None:
     """Keep compiled programs in `folder`, and compile with fewer optimisations.
 
-    The optimisations left out take as long as the rest of compiling and gain nothing here. What
-    the user set in XLA_FLAGS or JAX_COMPILATION_CACHE_DIR stays; a folder that cannot be written
-    is not used, and a program that cannot be read back is compiled again.
+    What the user set in XLA_FLAGS or JAX_COMPILATION_CACHE_DIR stays; a folder that cannot be
+    written is not used, and a program that cannot be read back is compiled again.
     """
-    os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=1")
+    os.environ.setdefault("XLA_FLAGS", _flags(version("jaxlib")))
     if jax.config.jax_compilation_cache_dir is not None:  # pyright: ignore[reportAttributeAccessIssue]
         return
     try:
@@ -42,6 +50,13 @@ def shorten_compilation(folder: Path) -> None:
         warnings.filterwarnings("ignore", message="Error .* persistent compilation cache")
         jax.config.update("jax_compilation_cache_dir", str(folder))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+
+def _flags(jaxlib_version: str) -> str:
+    """Those that make this version of XLA compile faster."""
+    release = tuple(int(part) for part in jaxlib_version.split(".")[:2])
+    first, beyond = _KNOW_OLDER_LOOPS
+    return f"{_FEWER_OPTIMISATIONS} {_OLDER_LOOPS if first <= release < beyond else ''}".strip()
 
 
 def _forget_oldest(folder: Path) -> None:

@@ -74,7 +74,8 @@ def each_series(
     if isinstance(series, Tracer) or any(d.platform != "cpu" for d in series.devices()):
         return jax.vmap(single)(series)
     with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(series), 1))) as pool:
-        return jnp.stack(list(pool.map(single, series)))
+        # By NumPy, since JAX compiles a program for every number of series that it stacks.
+        return jnp.asarray(np.stack(list(pool.map(single, np.asarray(series)))))
 
 
 @jax.custom_jvp
