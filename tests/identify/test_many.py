@@ -1,5 +1,6 @@
 """`fit_many`: groups, devices, arrays on disk, broken sensors."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -135,7 +136,7 @@ def moments(data, ramp, dt, key):
 
 def test_four_devices_give_the_numbers_of_one(batch, tmp_path, monkeypatch):
     """Two groups, on the first two devices of four."""
-    flags = "--xla_backend_optimization_level=1 --xla_force_host_platform_device_count=4"
+    flags = f"{os.environ['XLA_FLAGS']} --xla_force_host_platform_device_count=4"
     monkeypatch.setenv("XLA_FLAGS", flags)
     source, result = tmp_path / "batch.npy", tmp_path / "fits.npz"
     np.save(source, batch)

@@ -81,12 +81,13 @@ def band_integral(density, centre=0.0, width=0.0):
     edges = [np.zeros(1), np.geomspace(1e-15, 50, 90), np.linspace(0, 50, 101)]
     alias = abs(centre - round(centre * DT) / DT)
     edges.append(alias + width * np.concatenate([np.linspace(-30, 30, 121), [-200, -80, 80, 200]]))
-    edges = np.unique(np.clip(np.concatenate(edges), 0, 50))
+    # Intervals of no width stay, so that all densities are of one number of frequencies, which
+    # spares compilations.
+    edges = np.sort(np.clip(np.concatenate(edges), 0, 50))
     node, weight = np.polynomial.legendre.leggauss(24)
     frequency = (np.diff(edges)[:, None] * (node + 1) / 2 + edges[:-1, None]).ravel()
     weight = (np.diff(edges)[:, None] / 2 * weight).ravel()
-    keep = weight > 0
-    return np.sum(density(frequency[keep]) * weight[keep], axis=-1)
+    return np.sum(density(np.where(weight > 0, frequency, 1.0)) * weight, axis=-1)
 
 
 def peak(noise):

@@ -73,9 +73,10 @@ def each_series(
     """
     if isinstance(series, Tracer) or any(d.platform != "cpu" for d in series.devices()):
         return jax.vmap(single)(series)
+    # Taken apart and stacked by NumPy: JAX compiles programs for every number of series.
+    apart = map(jnp.asarray, np.asarray(series))
     with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(series), 1))) as pool:
-        # By NumPy, since JAX compiles a program for every number of series that it stacks.
-        return jnp.asarray(np.stack(list(pool.map(single, np.asarray(series)))))
+        return jnp.asarray(np.stack(list(pool.map(single, apart))))
 
 
 @jax.custom_jvp

@@ -1,12 +1,12 @@
 """How far shares stray by chance in a record that follows the fitted model throughout."""
 
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
-from ..curves import Design
-from ._likelihood import Powers
 from ._shares import noise_expectation, noise_parts
 
 _SIMULATIONS = 1000
@@ -17,26 +17,47 @@ _RUN_LENGTHS = (1, 2, 4, 8, 16)
 _MOST_RUNS = 8
 
 
+class Bins(NamedTuple):
+    """What the bins of the spectrum add to each squared coefficient, by expectation."""
+
+    #: w_j E c_j^2 of one ordinate of each bin, shape (4, bins).
+    ordinates: Float[Array, "terms bins"]
+    #: Mean frequency [cycles per sample] and number of ordinates, shape (bins,).
+    frequency: Float[Array, " bins"]
+    count: Float[Array, " bins"]
+
+    def padded(self, bins: int) -> "Bins":
+        """The same with empty bins at the end, up to so many."""
+        more = (0, bins - len(self.count))
+        return Bins(
+            jnp.pad(self.ordinates, ((0, 0), more)),
+            jnp.pad(self.frequency, more, constant_values=jnp.inf),
+            jnp.pad(self.count, more),
+        )
+
+
+def stand_in_points(samples: int) -> int:
+    """How many points the record has that stands in for one of so many samples."""
+    return min(samples, _POINTS)
+
+
 def noise_deviations(
     key: PRNGKeyArray,
-    power: Powers,
-    weights: Float[Array, "terms bins"],
-    design: Design,
+    bins: Bins,
+    samples: Float[Array, ""],
+    points: int,
     edges: Float[Array, " edges"],
 ) -> Float[Array, "simulations terms pieces"]:
     """Parts of theta^2 less their expectation in simulated records, given the sum of the parts.
 
-    A stand-in without gaps has the low orders of the record. Its high orders, with many waves
-    in every piece, only add a Gaussian amount of known variance to each. `edges` are
-    fractions of the samples used.
+    A stand-in of so many `points`, without gaps, has the low orders of the record. Its high
+    orders, with many waves in every piece, only add a Gaussian amount of known variance to each.
+    `edges` are fractions of the samples used.
     """
-    samples = sum(design.lengths)
-    points = min(samples, _POINTS)
-    frequency, count = jnp.asarray(design.frequency), jnp.asarray(design.ordinates)
+    ordinates, frequency, count = bins
     order = np.arange(2, points)
     between = jnp.sqrt(frequency[1:] * frequency[:-1])
-    index = jnp.searchsorted(between, jnp.asarray(order / (2 * samples), power.dtype))
-    ordinates = weights * (design.density @ power) / count
+    index = jnp.searchsorted(between, jnp.asarray(order, samples.dtype) / (2 * samples))
     beyond = jnp.where(frequency > points / (2 * samples), count, 0.0)
     variance = 2 * ordinates**2 @ beyond
 
@@ -48,7 +69,7 @@ def noise_deviations(
     expected = expected / jnp.where(total > 0, total, 1.0)
 
     numbers = (_SIMULATIONS, len(order) + len(fraction))
-    draws = jax.random.normal(key, numbers, power.dtype)
+    draws = jax.random.normal(key, numbers, samples.dtype)
     low, high = draws[:, : len(order)], draws[:, len(order) :]
     parts = jax.vmap(noise_parts, (0, None, None, None))(low, ordinates, index, whole)
     parts += jnp.sqrt(variance[:, None] * fraction) * high[:, None]
@@ -57,14 +78,12 @@ def noise_deviations(
 
 def ramp_deviations(
     key: PRNGKeyArray,
-    matrices: Float[Array, "stretches pieces orders"],
-    variances: Float[Array, "stretches orders"],
+    covariance: Float[Array, "pieces pieces"],
     expected: Float[Array, " pieces"],
 ) -> Float[Array, "simulations pieces"]:
     """Parts of the ramp less their expectation in records of noise, given the sum of the parts."""
-    covariance = jnp.einsum("spo,so,sqo->pq", matrices, variances, matrices)
     values, vectors = jnp.linalg.eigh(covariance)
-    draws = jax.random.normal(key, (_SIMULATIONS, len(values)), variances.dtype)
+    draws = jax.random.normal(key, (_SIMULATIONS, len(values)), covariance.dtype)
     parts = draws * jnp.sqrt(jnp.maximum(values, 0.0)) @ vectors.T
     return parts - expected * jnp.sum(parts, axis=1, keepdims=True)
 

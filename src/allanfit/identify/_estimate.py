@@ -69,14 +69,18 @@ def as_design_dtype(design: Design, dtype) -> Design:
     )
 
 
+def padded_bins(bins: int) -> int:
+    """A number of bins that nearly all records share, for one compilation of what follows."""
+    return bins + -bins % _BINS_AT_A_TIME
+
+
 def target(found: Statistics, design: Design) -> Target:
     """The spectrum that the coefficients are fitted to, normalised to a level near one.
 
-    Bins of no weight fill it up to a number that nearly all records have, so that they share one
-    compilation of what follows, which takes the longest to compile.
+    Bins of no weight fill it up, since what follows takes the longest to compile.
     """
     level = jax.lax.stop_gradient(jnp.median(found.density))
-    padding = -len(design.ordinates) % _BINS_AT_A_TIME
+    padding = padded_bins(len(design.ordinates)) - len(design.ordinates)
     return Target(
         jnp.pad(found.density / level, (0, padding), constant_values=1),
         jnp.pad(jnp.asarray(design.density) / level, ((0, padding), (0, 0)), constant_values=1),

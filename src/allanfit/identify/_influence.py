@@ -1,5 +1,8 @@
 """Which stretches of a recording its coefficients come from."""
 
+from functools import partial
+from typing import NamedTuple
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -8,8 +11,8 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from ..curves import Design, as_series, unit_scale
 from ..curves._spectrum import cosine_coefficients
-from ._chance import beyond_chance, noise_deviations, ramp_deviations
-from ._estimate import as_design_dtype
+from ._chance import Bins, beyond_chance, noise_deviations, ramp_deviations, stand_in_points
+from ._estimate import as_design_dtype, padded_bins
 from ._fit import Fit
 from ._shares import (
     noise_expectation,
@@ -101,27 +104,45 @@ def influence(
         )
     edges = np.rint(np.linspace(stretches[0][0], stretches[-1][1], pieces + 1)).astype(int)
     inside = np.stack([np.clip(edges - start, 0, stop - start) for start, stop in stretches])
-    share, expected, stands_out = _influence(
+    found = _shares(
         tuple(series[start:stop] for start, stop in stretches),
         fit.design,
         jnp.asarray(inside),
         fit.estimate.least_squares / unit_scale(1 / fit.rate_hz),
+    )
+    used = np.asarray(inside.sum(axis=0) / sum(lengths))
+    stands_out = _stands_out(
+        found,
+        jnp.asarray(used, found.share.dtype),
+        jnp.asarray(sum(lengths), found.share.dtype),
         fit.estimate.resolved,
         jax.random.key(seed),
+        points=stand_in_points(sum(lengths)),
     )
-    return Influence(jnp.asarray(edges / fit.rate_hz, share.dtype), share, expected, stands_out)
+    time_s = jnp.asarray(edges / fit.rate_hz, found.share.dtype)
+    return Influence(time_s, found.share, found.expected, stands_out)
+
+
+class _Shares(NamedTuple):
+    """Shares and their expectations as in `Influence`, and what chance makes of them."""
+
+    share: Float[Array, "terms pieces"]
+    expected: Float[Array, "terms pieces"]
+    #: The squared coefficients and the ramp itself, NaN for those at zero.
+    whole: Float[Array, "terms 1"]
+    bins: Bins
+    #: Of the pieces' parts of the ramp.
+    ramp_covariance: Float[Array, "pieces pieces"]
 
 
 @eqx.filter_jit
-def _influence(
+def _shares(
     stretches: tuple[Float[Array, " _"], ...],
     design: Design,
     inside: Int[Array, "stretches edges"],
     coefficients: Float[Array, " terms"],
-    resolved: Bool[Array, " terms"],
-    key: PRNGKeyArray,
-) -> tuple[Float[Array, "terms pieces"], Float[Array, "terms pieces"], Bool[Array, "terms pieces"]]:
-    """Shares, their expectation and which stand out; coefficients for a sampling interval of 1."""
+) -> _Shares:
+    """What depends on the lengths of the stretches; coefficients for a sampling interval of 1."""
     dtype = coefficients.dtype
     design = as_design_dtype(design, dtype)
     power = coefficients[:-1] ** 2
@@ -148,11 +169,31 @@ def _influence(
 
     whole = jnp.append(power, coefficients[-1])[:, None]
     whole = jnp.where(whole == 0, jnp.nan, whole)
-    share, expectation = sum(parts) / whole, sum(expected) / whole
-    used = inside.sum(axis=0) / sum(design.lengths)
+    ordinates = jnp.asarray(design.ordinates)
+    bins = Bins(weights * mean / ordinates, jnp.asarray(design.frequency), ordinates)
+    return _Shares(
+        sum(parts) / whole,
+        sum(expected) / whole,
+        whole,
+        bins.padded(padded_bins(len(ordinates))),
+        jnp.einsum("spo,so,sqo->pq", matrices, variances, matrices),
+    )
+
+
+@partial(jax.jit, static_argnames="points")
+def _stands_out(
+    found: _Shares,
+    used: Float[Array, " edges"],
+    samples: Float[Array, ""],
+    resolved: Bool[Array, " terms"],
+    key: PRNGKeyArray,
+    *,
+    points: int,
+) -> Bool[Array, "terms pieces"]:
+    """Which pieces chance does not explain; one program for records of nearly all lengths."""
     noise_key, ramp_key = jax.random.split(key)
-    noise = noise_deviations(noise_key, power, weights, design, used.astype(dtype))
-    ramp = ramp_deviations(ramp_key, matrices, variances, expectation[-1])
-    simulated = jnp.concatenate([noise, ramp[:, None]], axis=1) / whole
-    out = beyond_chance(share - expectation, simulated, expectation, resolved, _FALSE_ALARM)
-    return share, expectation, out
+    noise = noise_deviations(noise_key, found.bins, samples, points, used)
+    ramp = ramp_deviations(ramp_key, found.ramp_covariance, found.expected[-1])
+    simulated = jnp.concatenate([noise, ramp[:, None]], axis=1) / found.whole
+    deviation = found.share - found.expected
+    return beyond_chance(deviation, simulated, found.expected, resolved, _FALSE_ALARM)
