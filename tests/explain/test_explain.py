@@ -43,14 +43,14 @@ def wandering(tmp_path_factory):
         state[k] = decay * state[k - 1] + np.sqrt(1 - decay**2) * 0.014 * drive[k]
     path = written(folder, noise(8) + state)
     page, document = folder / "page.html", folder / "explain.json"
-    assert main(["explain", str(path), "--json", str(document), "--report", str(page)]) == 0
+    arguments = ["explain", str(path), "--no-posterior", "--json", str(document)]
+    assert main([*arguments, "--report", str(page)]) == 0
     return document, page
 
 
-@pytest.mark.parametrize("seed", [11, 12])
-def test_nothing_is_claimed_where_nothing_is_left_out(tmp_path, seed):
-    """Nominal false-alarm rate 1 % a record; seeds fixed."""
-    channel = explained(tmp_path, noise(seed))
+def test_nothing_is_claimed_where_nothing_is_left_out(tmp_path):
+    """Nominal false-alarm rate 1 %; the seed is fixed."""
+    channel = explained(tmp_path, noise(11))
     assert channel["verdict"] == "consistent"
     assert channel["effects"] == channel["mismatch"] == []
     assert channel["improvement"] is None

@@ -148,7 +148,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     return total, np.concatenate(blocks, axis=2) / total[..., None]
 
 
-def _ascend(theta, moving, mean, slopes, data: Data):
+def _ascend(theta, moving, mean, slopes, data: Data, damping=None, steps: int = _STEPS):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
     density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
 
@@ -159,10 +159,16 @@ def _ascend(theta, moving, mean, slopes, data: Data):
         return np.where(np.isfinite(value), value, np.inf)
 
     value = deviance(mean(theta))
-    damping = np.full(len(theta), 1e-2)
+    damping = np.full(len(theta), 1e-2) if damping is None else damping
     still = np.ones(len(theta), bool)
     identity = np.eye(theta.shape[1])
-    for _ in range(_STEPS):
+    for done in range(steps):
+        if len(theta) > 1 and still.sum() == 1:
+            # The last one on its way goes on alone: all at once cost as much with one as with all.
+            theta[still], value[still] = _ascend(
+                theta[still], moving, mean, slopes, data, damping[still], steps - done
+            )
+            break
         total, slope = slopes(theta)
         slope = np.where(moving & np.isfinite(slope), slope, 0.0)
         # The information of a Gamma variate on ln m is its shape.

@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.optimize import minimize
 from scipy.stats import chi2, norm
-from scipy.stats import t as student
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
 PULLED_IN = 4.0
@@ -113,8 +112,18 @@ def _densities(three: tuple[float, float, float], heavy: bool, at: Float[np.ndar
     """Densities of the body and of the spikes of a mixture."""
     fraction, size, core = three
     wide = np.hypot(core, size)
-    spike = student.pdf(at, 2, scale=wide) if heavy else norm.pdf(at, scale=wide)
-    return (1 - fraction) * norm.pdf(at, scale=core), fraction * spike
+    spike = _student(at / wide) if heavy else _normal(at / wide)
+    return (1 - fraction) * _normal(at / core) / core, fraction * spike / wide
+
+
+# Written out: SciPy's take five times as long, mostly to look at their arguments.
+def _normal(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
+    return np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
+
+
+def _student(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
+    """Of two degrees of freedom."""
+    return (2 + x**2) ** -1.5
 
 
 def log_mixture(
