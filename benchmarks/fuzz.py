@@ -22,6 +22,7 @@ import polars as pl
 with atheris.instrument_imports(include=["allanfit"]):
     from allanfit.calibrate._rate_file import read_rate_table
     from allanfit.coefficients import CoefficientsError, read_coefficients
+    from allanfit.datasheet import DatasheetError
     from allanfit.recording import RecordingError, load
     from allanfit.recording._units import parse_unit
 
@@ -46,7 +47,7 @@ def one(data: bytes) -> None:
     path.write_bytes(gzip.compress(data[1:], 1) if suffix == ".csv.gz" else data[1:])
     try:
         read(path)
-    except (RecordingError, CoefficientsError) as error:
+    except (RecordingError, CoefficientsError, DatasheetError) as error:
         said(str(error))
     except ValueError as error:
         if suffix != ".table" or type(error) is not ValueError:

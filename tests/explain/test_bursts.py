@@ -33,6 +33,14 @@ def test_a_ring_down_is_found_where_it_is():
         assert found.loud.mean() < 0.1
 
 
+def test_two_knocks_say_more_than_one():
+    rng = np.random.default_rng(3)
+    noise = rng.standard_normal(SAMPLES)
+    one = bursts(noise + ring(5000, 50.0, 60, 0.11))
+    two = bursts(noise + ring(5000, 50.0, 60, 0.11) + ring(14_000, 50.0, 60, 0.11))
+    assert two.log_p < one.log_p - 2
+
+
 def test_a_lasting_line_is_none():
     time = np.arange(SAMPLES)
     line = 0.5 * np.sin(2 * np.pi * 0.1337 * time)

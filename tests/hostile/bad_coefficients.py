@@ -34,6 +34,10 @@ def _fit(**changes: object) -> str:
 
 #: What stands in the file, and a pattern of the sentence.
 BAD = {
+    "effects that are no list": (
+        "unit: deg/s\nN: 5.0e-3\neffects:\n  sinusoid: {amplitude: 1, frequency: 2}\n",
+        "An effect in .* needs its name and parameters",
+    ),
     "empty": ("", "is empty"),
     "junk": (bytes(range(256)) * 9, "not text|neither JSON nor YAML"),
     "utf-16": ("N: 1\n".encode("utf-16"), "not text|neither JSON nor YAML"),

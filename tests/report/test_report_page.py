@@ -89,7 +89,7 @@ def test_a_document_of_an_earlier_version_has_no_shares_and_no_slopes(document, 
 
 
 def test_shares_that_chance_explains_are_said_to_be_so(document, capsys):
-    channel = document["channels"][0]
+    document["channels"] = [channel] = document["channels"][:1]
     channel["influence"]["stands_out"]["K"] = [False] * 20
     write_page(document, "-")
     assert "No stretch stands out by more than chance." in " ".join(capsys.readouterr().out.split())
@@ -97,6 +97,7 @@ def test_shares_that_chance_explains_are_said_to_be_so(document, capsys):
 
 @pytest.mark.parametrize("empty", [None, {"time_s": [0.0, 1.0], "share": {}}])
 def test_a_fit_without_shares_has_no_such_figure(document, capsys, empty):
+    document["channels"] = document["channels"][:1]
     document["channels"][0]["influence"] = empty
     write_page(document, "-")
     assert "figcaption>" not in capsys.readouterr().out
@@ -143,9 +144,13 @@ def test_the_page_needs_nothing_from_elsewhere(source):
     assert re.findall(r"url\((?!#)", source) == []
 
 
-def test_two_pages_of_one_document_are_equal(document, source, tmp_path):
-    write_page(document, tmp_path / "again.html")
-    assert (tmp_path / "again.html").read_text("utf-8") == source
+def test_two_pages_of_one_document_are_equal(document, tmp_path):
+    document["channels"] = document["channels"][:1]
+    for name in ("one.html", "again.html"):
+        write_page(document, tmp_path / name)
+    assert (tmp_path / "again.html").read_text("utf-8") == (tmp_path / "one.html").read_text(
+        "utf-8"
+    )
 
 
 def test_one_channel_needs_no_overview(document, tmp_path, capsys):

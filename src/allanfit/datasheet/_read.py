@@ -82,8 +82,9 @@ def read_datasheet(path: str | Path) -> Datasheet:
 
 
 def is_datasheet(document: Mapping[str, Any]) -> bool:
-    """Whether a file of coefficients is a data sheet: it has sections."""
-    return any(isinstance(value, Mapping) for value in document.values())
+    """Whether a file of coefficients is a data sheet: it has sections, whose lines have units."""
+    sections = any(isinstance(value, Mapping) for value in document.values())
+    return sections and not {"unit", "effects"} & set(document)
 
 
 def datasheet_from(document: Mapping[str, Any], file: str) -> Datasheet:

@@ -3,7 +3,8 @@
 A knock rings at its own frequency for a second. Averaged over all frequencies, or over the whole
 record, it drowns; a short spectrum at its time shows it. Windows of 16, 32, ... samples are looked
 at, bells and decays; where the record is white and lasts, each ordinate is exponential with mean
-one.
+one. Knocks come again: how many tiles reach a height by chance is a Poisson variate, so that two or
+more of them say what the strongest alone does not.
 """
 
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.signal.windows import hann
-from scipy.stats import binom
+from scipy.stats import binom, poisson
 
 # From a few samples to what rings for long.
 _WINDOWS = tuple(2**k for k in range(4, 11))
@@ -23,6 +24,12 @@ _OWN_LEVEL = 1.3
 _BESIDE = float(np.log(0.05))
 # Independent places for each sample, shape and length of window.
 _TRIALS = 2.0
+# The chance of the strongest tile, and of the second, third and fourth beside it, is allotted so.
+_ALLOTTED = (1 / 2, 1 / 6, 1 / 6, 1 / 6)
+# Windows of one shape that are looked at for each of them: a knock shows in several.
+_HIGHEST = 8
+# Windows whose middles are closer than this many lengths of the longer tell of one knock.
+_APART = 2.0
 # The share of windows that chance lifts above a level, and the chance of more of them from which on
 # it is no brief disturbance that does.
 _COMMON, _LASTING = 0.01, 1e-6
@@ -35,7 +42,7 @@ class Burst(NamedTuple):
 
     #: Which samples belong to such windows.
     loud: Bool[np.ndarray, " samples"]
-    #: Log of the chance that the strongest tile of all is as strong.
+    #: Log of the chance that the strongest tile of all, or the few strongest, are as strong.
     log_p: float
     #: The strongest tile's power over what is expected.
     ratio: float
@@ -58,7 +65,7 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
         if 2 * fewest < width // 2
     ]
     trials = np.log(_TRIALS * max(white.size, 2) * max(len(windows), 1))
-    best = Burst(loud, 0.0, 1.0, _WINDOWS[0])
+    tiles: list[_Tile] = []
     for shape, hop, fewest in windows:
         frames = np.lib.stride_tricks.sliding_window_view(white, shape.size)[::hop]
         spectra = np.fft.rfft(frames * (shape / np.sqrt(np.sum(shape**2))))
@@ -67,10 +74,42 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
         strongest = (power / np.where(own > _OWN_LEVEL, own, 1.0)).max(axis=1)
         for at in np.flatnonzero(trials - strongest < _BESIDE):
             loud[at * hop : at * hop + shape.size] = True
-        log_p = float(min(0.0, trials - strongest.max()))
-        if log_p < best.log_p and not _lasts(strongest, power.shape[1], trials):
-            best = Burst(loud, log_p, float(strongest.max()), shape.size)
-    return best
+        if not _lasts(strongest, power.shape[1], trials):
+            high = np.argsort(-strongest)[: _HIGHEST * len(_ALLOTTED)]
+            tiles += [_Tile(float(strongest[at]), at * hop, shape.size) for at in high]
+    apart = _apart(tiles)
+    if not apart:
+        return Burst(loud, 0.0, 1.0, _WINDOWS[0])
+    log_p = min(
+        float(poisson.logsf(k, np.exp(trials - tile.power)) - np.log(allotted))
+        for k, (tile, allotted) in enumerate(zip(apart, _ALLOTTED, strict=False))
+    )
+    return Burst(loud, min(0.0, log_p), apart[0].power, apart[0].window)
+
+
+class _Tile(NamedTuple):
+    """One ordinate of a short spectrum."""
+
+    #: Over what is expected.
+    power: float
+    #: First sample of its window, and how many that has.
+    start: int
+    window: int
+
+
+def _apart(tiles: list[_Tile]) -> list[_Tile]:
+    """The few strongest tiles that do not tell of one another's knock, the strongest first."""
+    kept: list[_Tile] = []
+    for tile in sorted(tiles, reverse=True):
+        if all(
+            abs(tile.start + tile.window / 2 - other.start - other.window / 2)
+            > _APART * max(tile.window, other.window)
+            for other in kept
+        ):
+            kept.append(tile)
+        if len(kept) == len(_ALLOTTED):
+            break
+    return kept
 
 
 def _lasts(strongest: Float[np.ndarray, " windows"], tiles: int, trials: float) -> bool:
