@@ -22,8 +22,8 @@ _FEWEST_PERIODS = 3
 _OWN_LEVEL = 1.3
 # A window belongs to a disturbance from this log chance on, once one stands out.
 _BESIDE = float(np.log(0.05))
-# Independent places for each sample, shape and length of window.
-_TRIALS = 2.0
+# Independent places for each sample, shape and length of window, by 850 records of white noise.
+_TRIALS = 1.0
 # The chance of the strongest tile, and of the second, third and fourth beside it, is allotted so.
 _ALLOTTED = (1 / 2, 1 / 6, 1 / 6, 1 / 6)
 # Windows of one shape that are looked at for each of them: a knock shows in several.
