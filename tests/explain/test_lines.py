@@ -21,9 +21,10 @@ def lines_of(values: np.ndarray) -> tuple[list[float], int]:
     return lines, len(state.peaks)
 
 
-def test_a_strong_line_between_two_ordinates_is_a_sinusoid():
-    """There its power leaks into a dozen others."""
-    frequency = 3000.5 / SAMPLES
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_a_strong_line_is_a_sinusoid_wherever_it_falls(offset):
+    """On an ordinate and between two, where its power leaks into a dozen others."""
+    frequency = (3000 + offset) / SAMPLES
     time = np.arange(SAMPLES)
     x = np.random.default_rng(1).standard_normal(SAMPLES) + np.cos(2 * np.pi * frequency * time)
     lines, bands = lines_of(x)

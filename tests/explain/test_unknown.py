@@ -36,12 +36,12 @@ def noise():
             lambda x: x + 0.03 * ((TIME % 20) < 4) * np.sin(2 * np.pi * 7.3 * TIME),
             "comes and goes, every 20 s",
         ),
+        (lambda x: x + 0.012 * np.sin(2 * np.pi * (5 + 0.003 * TIME) * TIME), "sweeps"),
         (lambda x: x * np.sqrt(1 + 0.5 * np.sin(2 * np.pi * TIME / 3)), "swings, every 3 s"),
     ],
-    ids=["bursts of a line", "swing"],
+    ids=["bursts of a line", "sweep", "swing"],
 )
 def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
-    """Sweeps, bands and other causes are in benchmarks/concealed; they take half a minute each."""
     channel = explained(tmp_path, cause(noise))
     assert channel["verdict"] == "unexplained"
     assert any(word in effect["sentence"] for effect in channel["effects"])

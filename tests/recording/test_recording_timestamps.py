@@ -238,7 +238,7 @@ def test_stamps_that_are_text_are_named_when_no_rate_is_known(write, noise):
     path = write("clock.csv", "time,gyro_x [deg/s]\n" + "\n".join(rows))
     with pytest.raises(
         RecordingError,
-        match=r"`time`\. The column time holds text",
+        match=r"--rate, in Hz, or .*`time`\. The column time holds text",
     ):
         load(path)
     assert load(path, rate_hz=100.0).findings == ("The column time holds text and is left out.",)

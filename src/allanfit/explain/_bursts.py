@@ -76,7 +76,9 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
             loud[at * hop : at * hop + shape.size] = True
         if not _lasts(strongest, power.shape[1], trials):
             high = np.argsort(-strongest)[: _HIGHEST * len(_ALLOTTED)]
-            tiles += [_Tile(float(strongest[at]), at * hop, shape.size) for at in high]
+            tiles += [
+                _Tile(float(strongest[at]), at * hop + shape.size / 2, shape.size) for at in high
+            ]
     apart = _apart(tiles)
     if not apart:
         return Burst(loud, 0.0, 1.0, _WINDOWS[0])
@@ -92,8 +94,8 @@ class _Tile(NamedTuple):
 
     #: Over what is expected.
     power: float
-    #: First sample of its window, and how many that has.
-    start: int
+    #: The middle of its window, and how many samples that has.
+    middle: float
     window: int
 
 
@@ -102,8 +104,7 @@ def _apart(tiles: list[_Tile]) -> list[_Tile]:
     kept: list[_Tile] = []
     for tile in sorted(tiles, reverse=True):
         if all(
-            abs(tile.start + tile.window / 2 - other.start - other.window / 2)
-            > _APART * max(tile.window, other.window)
+            abs(tile.middle - other.middle) > _APART * max(tile.window, other.window)
             for other in kept
         ):
             kept.append(tile)

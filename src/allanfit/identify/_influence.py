@@ -110,10 +110,9 @@ def influence(
         jnp.asarray(inside),
         fit.estimate.least_squares / unit_scale(1 / fit.rate_hz),
     )
-    used = np.asarray(inside.sum(axis=0) / sum(lengths))
     stands_out = _stands_out(
         found,
-        jnp.asarray(used, found.share.dtype),
+        jnp.asarray(inside.sum(axis=0) / sum(lengths), found.share.dtype),
         jnp.asarray(sum(lengths), found.share.dtype),
         fit.estimate.resolved,
         jax.random.key(seed),
