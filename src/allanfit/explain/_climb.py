@@ -19,8 +19,7 @@ from ._structure import (
     Kinds,
     active,
     added_density,
-    holding,
-    holding_angle,
+    held_columns,
     shaped,
 )
 
@@ -94,11 +93,9 @@ def log_slopes(
 def parts(theta: Starts, kinds: Kinds, data: Data):
     """Columns of the terms, the bump, and what each added noise puts into each bin."""
     folded, passed, bump = _shape(theta, kinds, data)
-    held = holding(data)
-    slow = passed * held / data.repeat
-    angle = holding_angle(data) * (folded if kinds.angle_filtered else np.ones_like(folded))
-    shape = np.stack([angle, folded * held, slow, slow], axis=2)
-    columns = np.asarray(data.bins.expected) * shape * bump[..., None]
+    angle = folded if kinds.angle_filtered else np.ones_like(folded)
+    gain = np.stack([angle, folded, passed, passed], axis=2)
+    columns = held_columns(data) * gain * bump[..., None]
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     added = [
         np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples))
@@ -132,14 +129,12 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
         three = theta[:, TERMS : TERMS + EACH]
         found = _gain_slopes(kinds.shaping, three, data.bins.nodes, data.samples)
         folded, passed, bumped = (np.asarray(each) for each in found)
-        plain = np.asarray(data.bins.expected) * power[:, None]
-        held = holding(data)
-        white = plain[..., 1] * held
+        held = held_columns(data) * power[:, None]
+        white = held[..., 1]
         if kinds.angle_filtered:
-            white = white + plain[..., 0] * holding_angle(data)
+            white = white + held[..., 0]
         slope = folded * (white * bump)[..., None]
-        slow = (plain[..., 2] + plain[..., 3]) * held / data.repeat
-        slope = slope + passed * (slow * bump)[..., None]
+        slope = slope + passed * ((held[..., 2] + held[..., 3]) * bump)[..., None]
         blocks.append(slope + bumped * (total / bump)[..., None])
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     for i, name in enumerate(kinds.added):

@@ -289,8 +289,7 @@ def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Eff
 def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     repeat = state.format.repeat
     assert repeat is not None
-    spread = 0.0 if repeat.regular else repeat.samples * np.sqrt(repeat.fraction)
-    values = repeat.samples + spread / np.sqrt(state.values.size) * rng.standard_normal(2000)
+    values = repeat.samples + repeat.deviation * rng.standard_normal(2000)
     return [Effect("sample_hold", _SURE, {}, {"repeat": values})]
 
 

@@ -20,9 +20,8 @@ class Repeat:
     #: Mean samples for each fresh value, and whether every value is held equally long.
     samples: float
     regular: bool
-    #: Share of the samples that repeat, and what chance explains.
-    fraction: float
-    by_chance: float
+    #: Standard deviation of `samples`.
+    deviation: float
     log_p: float
 
 
@@ -59,13 +58,19 @@ def sample_format(
 def _repeat(
     used: Float[np.ndarray, " usable"], ends: tuple[float, ...], width: float
 ) -> Repeat | None:
-    fraction, chance, beyond = repeated(used, ends, width)
-    if not beyond:
+    found = repeated(used, ends, width)
+    if not found.beyond:
         return None
     edges = np.flatnonzero(np.concatenate([[True], np.diff(used) != 0]))
     lengths = np.diff(edges)
-    mean = used.size / max(edges.size, 1)
+    # Neighbours that rounding alone makes equal are no repeats.
+    mean = 1 / (1 - (found.share - found.by_chance))
+    # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
+    variance = (found.share * (1 - found.share) + found.by_chance) / used.size
     usual = round(float(np.median(lengths)))
     regular = bool(usual > 1 and np.mean(lengths == usual) > 0.95)
-    log_p = float(binom.logsf(int(fraction * used.size) - 1, used.size, max(chance, 1e-9)))
-    return Repeat(float(usual if regular else mean), regular, fraction, chance, log_p)
+    chance = max(found.most_by_chance, 1e-9)
+    log_p = float(binom.logsf(int(found.share * used.size) - 1, used.size, chance))
+    if regular:
+        return Repeat(float(usual), True, 0.0, log_p)
+    return Repeat(mean, False, mean**2 * variance**0.5, log_p)

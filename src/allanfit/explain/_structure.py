@@ -186,12 +186,20 @@ def powers(theta: Theta, data: Data) -> Float[Array, " terms"]:
 def columns(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "bins terms"]:
     """What unit powers of Q, N, B, K put into each bin, filter and bump included."""
     folded, passed, bump = _gains(theta, kinds, data)
-    held = holding(data)
+    angle = folded if kinds.angle_filtered else jnp.ones_like(folded)
+    gain = jnp.stack([angle, folded, passed, passed], axis=1)
+    return jnp.asarray(held_columns(data)) * gain * bump[:, None]
+
+
+def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
+    """What unit powers of Q, N, B, K put into each bin when samples are held, and nothing else."""
+    plain = np.asarray(data.bins.expected)
+    if data.repeat == 1:
+        return plain
+    white = plain[:, 1] * holding(data)
     # What is slow is held as well, and white noise is folded on top.
-    slow = passed * held / data.repeat
-    angle = jnp.asarray(holding_angle(data)) * (folded if kinds.angle_filtered else 1.0)
-    shape = jnp.stack([angle, folded * held, slow, slow], axis=1)
-    return jnp.asarray(data.bins.expected) * shape * bump[:, None]
+    slow = plain[:, 2:] * (holding(data) / data.repeat)[:, None]
+    return np.column_stack([plain[:, 1] * _held_angle(data), white, slow])
 
 
 def holding(data: Data) -> Float[np.ndarray, " bins"]:
@@ -204,22 +212,21 @@ def holding(data: Data) -> Float[np.ndarray, " bins"]:
     return np.maximum(np.asarray(gain), 1e-9)
 
 
-def holding_angle(data: Data) -> Float[np.ndarray, " bins"]:
-    """What holding samples does to the density of quantized angle, the difference of white noise.
+def _held_angle(data: Data) -> Float[np.ndarray, " bins"]:
+    """Quantized angle, held, over white noise of the same power, not held.
 
-    Held equally long, samples are too far apart to be neighbours: white noise of twice the
-    variance, held. Held with chance p, one is the next fresh value after another only where it
-    comes at once, so that the autocovariance is 2 p^m - (1 - p)^2 p^(m-1).
+    The difference of white noise: held equally long, samples are too far apart to be neighbours, and
+    it is white noise of twice the variance, held. Held with chance p, one is the next fresh value
+    after another only where it comes at once, so that the autocovariance is
+    2 p^m - (1 - p)^2 p^(m-1). Either is far above zero at low frequency, where the difference
+    itself vanishes.
     """
-    middle = np.maximum(np.asarray(data.bins.nodes)[:, 1], 1e-9)
-    if data.repeat == 1:
-        return np.ones_like(middle)
-    unheld = 8 * np.sin(np.pi * middle) ** 2
     if float(data.repeat).is_integer():
-        return 4 * holding(data) / unheld
+        return 2 * holding(data)
+    middle = np.asarray(data.bins.nodes)[:, 1]
     p, turn = 1 - 1 / data.repeat, np.exp(2j * np.pi * middle)
     powers = (p * turn / (1 - p * turn)).real
-    return 4 * (1 + powers * (2 - (1 - p) ** 2 / p)) / unheld
+    return 2 * (1 + powers * (2 - (1 - p) ** 2 / p))
 
 
 def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slots bins"]:

@@ -1,6 +1,7 @@
 """What is wrong with samples, told from the samples alone."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -185,10 +186,21 @@ def _about_rails(
     )
 
 
+class Repeats(NamedTuple):
+    """Samples that repeat the one before, as shares of all samples."""
+
+    share: float
+    #: What rounding makes of fresh values, as it seems, and at most.
+    by_chance: float
+    most_by_chance: float
+    #: Whether the share is beyond chance.
+    beyond: bool
+
+
 def repeated(
     values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], width: float
-) -> tuple[float, float, bool]:
-    """Share of samples that repeat the one before, what chance explains, whether it is beyond.
+) -> Repeats:
+    """How many samples repeat the one before, and whether chance explains that.
 
     First differences of noise are log-concave in distribution, so two bins next to zero bound
     what zero may hold by chance. Values mixed from coarser codes make other steps frequent too,
@@ -207,24 +219,27 @@ def repeated(
     far = np.count_nonzero((codes > bin_codes) & (codes <= 2 * bin_codes)) * scale
     if far < 0.1 * near:
         # Hardly a step of more than one code: rounding explains any number of repeats.
-        return float(repeats), 1.0, False
-    chance = max(
+        return Repeats(float(repeats), float(repeats), 1.0, False)
+    most = max(
         near * (near / far) ** ((bin_codes + 1) / (2 * bin_codes)),
         np.unique_counts(codes).counts.max() / codes.size * changes.size / (2 * steps.size),
     )
-    beyond = repeats >= max(0.01 + chance, 1.5 * chance, 10 / values.size)
-    return float(repeats), float(chance), bool(beyond)
+    beyond = repeats >= max(0.01 + most, 1.5 * most, 10 / values.size)
+    # A parabola in the logarithm, as that of a normal distribution, through the same two bins.
+    square = np.mean((np.arange(bin_codes) + [[1], [1 + bin_codes]]) ** 2.0, axis=1)
+    likely = near * (near / far) ** (square[0] / (square[1] - square[0])) if far > 0 else most
+    return Repeats(float(repeats), float(min(likely, most)), float(most), bool(beyond))
 
 
 def _about_repeats(
     values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], width: float
 ) -> tuple[str, ...]:
-    repeats, chance, beyond = repeated(values, ends, width)
-    if not beyond:
+    found = repeated(values, ends, width)
+    if not found.beyond:
         return ()
     return (
-        f"{percent(repeats)} of the samples repeat the one before, where chance explains "
-        f"{percent(chance)} at most: the sensor is read faster than it gives fresh values.",
+        f"{percent(found.share)} of the samples repeat the one before, where chance explains "
+        f"{percent(found.most_by_chance)} at most: the sensor is read faster than it gives fresh values.",
     )
 
 
