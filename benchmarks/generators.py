@@ -33,12 +33,15 @@ def _half_sum(count, size):
 
 
 def flicker_by_relaxations(rng, samples, coefficient, dt, averaged):
-    """First-order relaxations, six a decade, from a thousandth of dt to thirty records.
+    """First-order relaxations, six a decade, to thirty records and beyond.
 
-    Where a sensor averages, each relaxation's mean over an interval is drawn exactly: integrating
+    Where a sensor takes values, noise faster than its samples folds into white noise, which an
+    engineer counts to N: the fastest relaxation is a third of dt there, as behind a filter, and a
+    thousandth of it else. Where a sensor averages, each relaxation's mean over an interval is drawn exactly: integrating
     dx = -x/T dt + q dW says that it is (x_k - x_(k+1) + q W) T/dt.
     """
-    times = np.geomspace(1e-3 * dt, 30 * samples * dt, 6 * int(np.log10(3e4 * samples)) + 1)
+    fastest, slowest = (1e-3 if averaged else 0.3) * dt, 30 * samples * dt
+    times = np.geomspace(fastest, slowest, 6 * int(np.log10(slowest / fastest)) + 1)
     # Equal variance a decade makes 1/f: S = 4 s^2 T/(1 + (2 pi f T)^2), summed over ln T.
     variance = coefficient**2 / np.pi * np.log(times[1] / times[0])
     total = np.zeros(samples)

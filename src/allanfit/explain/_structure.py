@@ -215,9 +215,9 @@ def holding(data: Data) -> Float[np.ndarray, " bins"]:
 def _held_angle(data: Data) -> Float[np.ndarray, " bins"]:
     """Quantized angle, held, over white noise of the same power, not held.
 
-    The difference of white noise: held equally long, samples are too far apart to be neighbours, and
-    it is white noise of twice the variance, held. Held with chance p, one is the next fresh value
-    after another only where it comes at once, so that the autocovariance is
+    The difference of white noise: held equally long, samples are too far apart to be neighbours,
+    and it is white noise of twice the variance, held. Held with chance p, one is the next fresh
+    value after another only where it comes at once, so that the autocovariance is
     2 p^m - (1 - p)^2 p^(m-1). Either is far above zero at low frequency, where the difference
     itself vanishes.
     """

@@ -226,8 +226,9 @@ def repeated(
     )
     beyond = repeats >= max(0.01 + most, 1.5 * most, 10 / values.size)
     # A parabola in the logarithm, as that of a normal distribution, through the same two bins.
-    square = np.mean((np.arange(bin_codes) + [[1], [1 + bin_codes]]) ** 2.0, axis=1)
-    likely = near * (near / far) ** (square[0] / (square[1] - square[0])) if far > 0 else most
+    step_codes = np.arange(1, 2 * bin_codes + 1).reshape(2, bin_codes)
+    inner, outer = np.mean(step_codes**2, axis=1)
+    likely = near * (near / far) ** (inner / (outer - inner)) if far > 0 else most
     return Repeats(float(repeats), float(min(likely, most)), float(most), bool(beyond))
 
 
@@ -239,7 +240,8 @@ def _about_repeats(
         return ()
     return (
         f"{percent(found.share)} of the samples repeat the one before, where chance explains "
-        f"{percent(found.most_by_chance)} at most: the sensor is read faster than it gives fresh values.",
+        f"{percent(found.most_by_chance)} at most: the sensor is read faster than it gives fresh "
+        "values.",
     )
 
 
