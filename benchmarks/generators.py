@@ -37,8 +37,8 @@ def flicker_by_relaxations(rng, samples, coefficient, dt, averaged):
 
     Where a sensor takes values, noise faster than its samples folds into white noise, which an
     engineer counts to N: the fastest relaxation is a third of dt there, as behind a filter, and a
-    thousandth of it else. Where a sensor averages, each relaxation's mean over an interval is drawn exactly: integrating
-    dx = -x/T dt + q dW says that it is (x_k - x_(k+1) + q W) T/dt.
+    thousandth of it else. Where a sensor averages, each relaxation's mean over an interval is
+    drawn exactly: integrating dx = -x/T dt + q dW says that it is (x_k - x_(k+1) + q W) T/dt.
     """
     fastest, slowest = (1e-3 if averaged else 0.3) * dt, 30 * samples * dt
     times = np.geomspace(fastest, slowest, 6 * int(np.log10(slowest / fastest)) + 1)
