@@ -7,7 +7,8 @@ from scipy.stats import binom
 import allanfit
 from allanfit.explain import explain_recording
 from allanfit.explain._held_out_values import of_codes, of_events, of_spikes, of_swing
-from allanfit.explain._unknown import _even, swinging
+from allanfit.explain._moving import Band
+from allanfit.explain._unknown import _even, _pulse, _reshaped, swinging
 
 # The length and rate of test_explain, for one compilation.
 RATE, SAMPLES = 50.0, 30_000
@@ -58,6 +59,33 @@ def test_a_steady_line_and_steady_noise_are_no_swing():
 def test_harmonics_and_strangers_are_no_comb():
     assert _even([0.1, 0.1004, 0.1008, 0.1016], SAMPLES)
     assert not _even([0.1, 0.1004, 0.1011, 0.1016], SAMPLES)
+
+
+def test_weak_bursts_have_a_period_and_steady_noise_has_none():
+    """A seventh of the time on, no harmonic strong alone; false alarm 1e-5 a record."""
+    rng = np.random.default_rng(4)
+    count, low, high = 60_000, 0.09, 0.11
+    at = np.linspace(low, high, 50)
+    for amplitude, expected in ((0.5, 1500.0), (0.0, 0.0)):
+        time = np.arange(count)
+        on = time % 1500 < 214
+        white = rng.standard_normal(count) + amplitude * on * np.sin(0.2 * np.pi * time)
+        # Its share of the power where it is.
+        share = (amplitude**2 / 2 / 7) / (2 * (high - low)) / 1.0
+        band = Band(low, high, at, np.full(at.size, share / (1 + share)))
+        assert _pulse(white, band) == pytest.approx(expected, rel=0.01)
+
+
+def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
+    rng = np.random.default_rng(5)
+    flat = np.linspace(0.0, 0.5, 100), np.ones(100)
+    first, second = rng.exponential(size=(2, 60, 129))
+    assert _reshaped([first, second], *flat) is None
+    assert _reshaped([first, 3 * second], *flat) is None
+    tilted = second * np.linspace(0.7, 1.3, 129)
+    found = _reshaped([first, tilted], *flat)
+    assert found is not None
+    assert found[1] < np.log(1e-6)
 
 
 def test_the_gain_of_events_is_their_information():

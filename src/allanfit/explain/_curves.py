@@ -59,7 +59,9 @@ def explained_curves(
 def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
     """Names of the added noises, each its own."""
     labels: list[str] = []
-    for name in state.model.kinds.added:
+    for place, name in enumerate(state.model.kinds.added):
+        if place in state.wandering:
+            name = "drifting_line"
         shown = next(
             (
                 e.name

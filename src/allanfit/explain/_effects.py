@@ -162,6 +162,13 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         own, others = _probabilities(_finding(state, name), name)
         if name == "gauss_markov":
             found += _gauss_markov(state, begin, size, first, own, others, dt, seed)
+        elif name == "resonance" and place in state.wandering:
+            others.pop("drifting_line", None)
+            values = {"amplitude": 2**0.5 * size, "frequency": first / dt}
+            values["width"] = first / second / 2 / dt
+            middle, width = (float(np.median(values[key])) for key in ("frequency", "width"))
+            band = (middle - 2 * width, middle + 2 * width)
+            found.append(Effect("drifting_line", own, others, values, {}, band))
         elif name == "resonance":
             middle, half = float(np.median(first)) / dt, float(np.median(first / second)) / 2 / dt
             values = {"sigma": size, "frequency": first / dt, "quality_factor": second}

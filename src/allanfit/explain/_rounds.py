@@ -10,7 +10,7 @@ from ._chance import course_score, log_chance, score
 from ._lines import Peak, Sine, line_log_chance, refine, scan
 from ._means import Course
 from ._ordinates import bin_edges
-from ._search import Candidate
+from ._search import Candidate, rarity
 from ._state import (
     Finding,
     Investigation,
@@ -21,7 +21,7 @@ from ._state import (
     whitened_piece,
     with_course,
 )
-from ._structure import EACH, NARROW, shape_of
+from ._structure import NARROW
 from ._whiten import level
 
 _MOST_LINES = 12
@@ -33,9 +33,6 @@ _LINE_WIDTH = 4
 _SPREAD = 32
 # Ordinates about a line within which nothing else may be.
 _CLOSE = 8
-# Quality and relative width up to which they are usual, and the power with which they become rare.
-_USUAL = {"resonance": 150.0, "drifting_line": 0.01}
-_RARER = 1.5
 
 
 class Option(NamedTuple):
@@ -191,31 +188,12 @@ def _smooth_options(state: Investigation) -> list[Option]:
                 )
             )
 
-        options.append(
-            Option(
-                candidate.name,
-                log_chance(candidate.name, candidate.gain),
-                candidate.gain,
-                score(candidate.name, candidate.gain) + _plausibility(state, candidate),
-                take,
-            )
-        )
+        worth = score(candidate.name, candidate.gain)
+        if candidate.name in NARROW:
+            worth += rarity(candidate.model, state.data)
+        chance = log_chance(candidate.name, candidate.gain)
+        options.append(Option(candidate.name, chance, candidate.gain, worth, take))
     return options
-
-
-def _plausibility(state: Investigation, candidate: Candidate) -> float:
-    """Twice the log of how usual such a narrow effect is: where spectra do not tell, engineers do.
-
-    A resonance that rings for hundreds of periods is rare in a sensor, and a line that wanders by
-    more than a hundredth is hardly a line.
-    """
-    if candidate.name not in NARROW:
-        return 0.0
-    three = candidate.model.theta[-EACH:]
-    breadth = float(shape_of(candidate.name, three, state.data.samples)[1])
-    usual = _USUAL[candidate.name]
-    beyond = np.log(breadth / usual)
-    return -2 * _RARER * float(np.logaddexp(0.0, beyond))
 
 
 def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:

@@ -18,6 +18,7 @@ from ._structure import (
     added_density,
     bounds,
     free,
+    shape_of,
 )
 
 # Starts are filled up to this many, for few compilations.
@@ -43,6 +44,10 @@ class Candidate(NamedTuple):
     model: Model
     gain: float
 
+
+# Quality and relative width up to which they are usual, and the power with which they become rare.
+_USUAL = {"resonance": 150.0, "drifting_line": 0.01}
+_RARER = 1.5
 
 Start = tuple[str, Kinds, np.ndarray]
 
@@ -213,6 +218,20 @@ def _filtered(model: Model, data: Data) -> list[Start]:
 def _shaping_start(name: str, three: list[float], model: Model) -> Start:
     theta = np.concatenate([model.theta[:TERMS], three, model.theta[TERMS:]])
     return name, model.kinds._replace(shaping=name), theta
+
+
+def rarity(model: Model, data: Data, place: int = -1) -> float:
+    """Twice the log of how usual an added noise is: where spectra do not tell, engineers do.
+
+    A resonance that rings for hundreds of periods is rare in a sensor, and a line that wanders by
+    more than a hundredth is hardly a line. `place` is among the noises added, the last by default.
+    """
+    name = model.kinds.added[place] if model.kinds.added else ""
+    if name not in _USUAL:
+        return 0.0
+    three = model.theta[model.kinds.first_slot :].reshape(-1, EACH)[place]
+    breadth = float(shape_of(name, three, data.samples)[1])
+    return -2 * _RARER * float(np.logaddexp(0.0, np.log(breadth / _USUAL[name])))
 
 
 def without(model: Model, name: str) -> Model:

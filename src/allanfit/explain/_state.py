@@ -74,6 +74,8 @@ class Investigation:
     #: What has no name, and the names and lines [cycles per sample] that are not what they seem.
     unknown: list[Any] = field(default_factory=list)
     disowned: set[str] = field(default_factory=set)
+    #: Which of the model's added noises are lines that wander, whatever their shape.
+    wandering: set[int] = field(default_factory=set)
     disowned_lines: list[float] = field(default_factory=list)
 
     @property

@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2
+from scipy.stats import chi2, gamma
 
 from . import _search
 from ._chance import score
 from ._held_out_values import of_swing
+from ._moving import Band, moving
 from ._search import Candidate, Model
 from ._spread import PULLED_IN
 from ._state import Finding, Investigation, whitened_piece
@@ -21,12 +22,8 @@ from ._structure import EACH, NARROW, added_density, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
-_SEGMENTS = 16
-# A sweep's time and frequency go together by as much, of what a perfect one would show.
-_SWEPT = 0.75
-_CLEAR = 4.0
-# A line that wanders, as by warming, goes less evenly than this: scatter over what is even.
-_UNEVEN = 0.15
+# A band's share of the power is told at so many frequencies.
+_SHARES = 512
 # A pulse is looked for from so many periods on, and must be as unlikely.
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 # Lines of one comb lie as close, and there are as many.
@@ -39,6 +36,8 @@ _TURN = 1.6
 _FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
 _TILE = 256
 _BANDS = 12
+# A spectrum is watched in so many parts of the record.
+_PARTS = 24
 # A changing spectrum must be as unlikely under a change of white noise.
 _RESHAPED = 1e-6
 # And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
@@ -103,6 +102,8 @@ class _Narrow(NamedTuple):
     """One line or resonance of the model, with its free parameters."""
 
     name: str
+    #: Which of the model's added noises it is.
+    place: int
     three: Float[np.ndarray, " three"]
     middle: float
     width: float
@@ -118,7 +119,7 @@ def _narrow(state: Investigation) -> list[list[_Narrow]]:
             three = state.model.theta[begin : begin + EACH]
             first, second = (float(each) for each in shape_of(name, three, samples))
             width = first * second if name == "drifting_line" else first / second
-            found.append(_Narrow(name, three, first, width))
+            found.append(_Narrow(name, place, three, first, width))
     groups: list[list[_Narrow]] = []
     for one in sorted(found, key=lambda each: each.middle):
         last = groups[-1][-1] if groups else None
@@ -133,15 +134,33 @@ def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Lines that move through their band, or come and go."""
     for group in _narrow(state):
         main = max(group, key=lambda each: each.width)
+        band = _band_of(state, group)
+        path = moving(white, band)
+        if path is not None and path.log_p > np.log(state.alarm):
+            path = None
         why, period = "", 0.0
-        if _swept(state, white, group):
+        if path is not None and path.even:
             why = "a line that sweeps through the band in the course of the recording"
-        elif period := _pulse(white, main.middle, main.width):
+        elif period := _pulse(white, band):
             why = "a line that comes and goes"
+        elif path is not None:
+            # Whatever its shape, a resonance it is not.
+            state.wandering |= {each.place for each in group}
         if why:
             state.disowned |= {each.name for each in group}
             width = max(main.width / main.middle, 1e-6)
             state.unknown.append(Unknown(main.middle, width, why, period))
+
+
+def _band_of(state: Investigation, group: list[_Narrow]) -> Band:
+    """Three widths to either side of a group, and its share of the power there."""
+    low = max(min(each.middle - 3 * each.width for each in group), 1 / float(state.data.samples))
+    high = min(max(each.middle + 3 * each.width for each in group), 0.5)
+    at, samples = np.linspace(low, high, _SHARES), float(state.data.samples)
+    nodes = np.stack([at] * 3, axis=1)
+    own = [np.asarray(added_density(each.name, each.three, nodes, samples)) for each in group]
+    total = np.interp(at, state.left.frequency, state.variance)
+    return Band(low, high, at, np.minimum(np.sum(own, axis=0) / total, 1.0))
 
 
 def _turns(state: Investigation) -> None:
@@ -157,103 +176,102 @@ def _turns(state: Investigation) -> None:
     ]
 
 
-def _swept(
-    state: Investigation, white: Float[np.ndarray, " samples"], group: list[_Narrow]
-) -> bool:
-    """Whether the power of a band moves through it evenly in time."""
-    length = white.size // _SEGMENTS
-    frequency = np.fft.rfftfreq(length)
-    low = min(each.middle - 3 * each.width for each in group)
-    high = max(each.middle + 3 * each.width for each in group)
-    inside = (frequency > max(low, 0.0)) & (frequency < min(high, 0.5))
-    if inside.sum() < 4:
-        return False
-    segments = white[: length * _SEGMENTS].reshape(_SEGMENTS, length)
-    power = np.abs(np.fft.rfft(segments)[:, inside]) ** 2 / length
-    at = frequency[inside]
-    nodes, samples = np.stack([at] * 3, axis=1), float(state.data.samples)
-    own = sum(np.asarray(added_density(each.name, each.three, nodes, samples)) for each in group)
-    share = own / np.interp(at, state.left.frequency, state.variance)
-    time = (2 * np.arange(_SEGMENTS) + 1) / _SEGMENTS - 1
-    middle = float(share @ at / share.sum())
-    width = float(np.sqrt(share @ (at - middle) ** 2 / share.sum()))
-    # Where the line's own power is, each tile says most.
-    place = (at - middle) / width * share
-    together = float(time @ (power - 1) @ place)
-    deviation = float(np.sqrt(np.sum(time**2) * np.sum(place**2)))
-    # A perfect sweep is at each frequency when as much of the power lies below it.
-    when = 2 * (np.cumsum(share) - share / 2) / share.sum() - 1
-    most = _SEGMENTS * float(np.sum(share * place * when))
-    if abs(together) < max(_CLEAR * deviation, _SWEPT * most):
-        return False
-    # Evenly: no more scatter about its course than the noise of so strong a line makes.
-    drawn = (power - 1) @ place
-    noise = np.sum(power**2 @ place**2)
-    for reach in np.linspace(0.5, 3.0, 26) * width * np.sign(together):
-        course = np.interp(middle + reach * time, at, place)
-        even = course * (drawn @ course) / np.sum(course**2)
-        if np.sum((drawn - even) ** 2) - noise < _UNEVEN * np.sum(even**2):
-            return True
-    return False
-
-
-def _pulse(white: Float[np.ndarray, " samples"], middle: float, width: float) -> float:
+def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
     """The period [samples] with which a band's power comes and goes, or zero."""
     spectrum = np.fft.rfft(white)
     first, last = (
-        int(np.clip((middle + side * 3 * width) * white.size, 1, spectrum.size - 1))
-        for side in (-1, 1)
+        int(np.clip(end * white.size, 1, spectrum.size - 1)) for end in (band.low, band.high)
     )
     if last - first < 4 * _TEETH_SOUGHT:
         return 0.0
     # The band alone, moved to zero and taken as often as it has ordinates.
     power = np.abs(np.fft.ifft(spectrum[first:last])) ** 2
     beats = np.abs(np.fft.rfft(power - power.mean())) ** 2
-    low, high = _TEETH_SOUGHT, beats.size * 3 // 4
-    own = np.array([np.median(beats[max(k - 32, 1) : k + 33]) for k in range(low, high)])
-    ratio = beats[low:high] / own * np.log(2)
-    at = int(np.argmax(ratio))
+    high = beats.size * 3 // 4
+    own = np.array([np.median(beats[max(k - 32, 1) : k + 33]) for k in range(high)])
+    ratio = beats[:high] / own * np.log(2)
+    log_p, beat, size = 0.0, 0.0, 0.0
+    # Short bursts have harmonics, and their fundamental shows to a fraction of an ordinate.
+    for count in (1, 2, 4):
+        tried = np.arange(_TEETH_SOUGHT * count, high - 1) / count
+        tried = tried[tried * count < high - 1]
+        if not tried.size:
+            continue
+        order = np.round(np.arange(1, count + 1)[:, None] * tried).astype(int)
+        together = ratio[order].sum(axis=0)
+        at = int(np.argmax(together))
+        chance = gamma.logsf(together[at], count) + np.log(3 * tried.size)
+        if chance < log_p:
+            log_p, beat, size = float(chance), tried[at], float(np.mean(beats[order[:, at]]))
     # How deep: bursts leave nothing between them, and other swings of a line are no bursts.
-    noise = (last - first) / white.size
-    depth = 2 * np.sqrt(beats[low + at]) / max(np.sum(power) - noise, 1e-300)
-    if np.log(ratio.size) - ratio[at] > np.log(_PULSED) or depth < _DEPTH:
+    at_ordinates = np.arange(first, last) / white.size
+    share = float(np.mean(np.interp(at_ordinates, band.frequency, band.share)))
+    depth = 2 * np.sqrt(size) / max(np.sum(power) * share, 1e-300)
+    if log_p > np.log(_PULSED) or depth < _DEPTH:
         return 0.0
-    return white.size / (low + at)
+    return white.size / beat
 
 
 def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Noise that changes in time, but not by white noise that comes and goes."""
-    changing = state.modulation
-    if changing is None:
+    if state.format.coarse or state.format.repeat is not None:
+        # What rounding makes of noise depends on where the mean is.
         return
     tiles = white.size // _TILE
     powers = np.abs(np.fft.rfft(white[: tiles * _TILE].reshape(tiles, _TILE))) ** 2 / _TILE
-    share = changing.loud[: tiles * _TILE].reshape(tiles, _TILE).mean(axis=1)
-    loud, quiet = powers[share > 0.99], powers[share < 0.01]
-    if min(len(loud), len(quiet)) < _BANDS:
+    parts = min(_PARTS, tiles // _BANDS)
+    part = np.arange(tiles) * parts // max(tiles, 1)
+    made_white = state.left.frequency, state.variance
+    found = _reshaped([powers[part == each] for each in range(parts)], *made_white)
+    if state.modulation is not None:
+        share = state.modulation.loud[: tiles * _TILE].reshape(tiles, _TILE).mean(axis=1)
+        found = _reshaped([powers[share > 0.99], powers[share < 0.01]], *made_white) or found
+    if found is None:
         return
+    frequency, log_p = found
+    state.disowned |= {"variance_modulation", "low_pass"}
+    if not any(finding.name in state.disowned for finding in state.findings):
+        state.findings.append(Finding("bump", log_p, 0.0))
+    why = "the shape of the spectrum changes in time, and not only its level"
+    state.unknown.append(Unknown(frequency, 0.5, why, in_time=True))
+
+
+def _reshaped(
+    groups: list[Float[np.ndarray, "_ frequencies"]],
+    frequency: Float[np.ndarray, " ordinates"],
+    variance_there: Float[np.ndarray, " ordinates"],
+) -> tuple[float, float] | None:
+    """Where spectra of parts of a record differ most in shape, and the log of its chance.
+
+    `groups` are powers of tiles of the white record, and the others what it was made white with.
+    """
+    if len(groups) < 2 or min(len(group) for group in groups) < _BANDS:
+        return None
     edges = np.unique(np.geomspace(1, _TILE // 2, _BANDS + 1).round().astype(int))
-    count = np.diff(edges)
-    above = np.add.reduceat(loud.mean(axis=0), edges)[:-1] / count
-    below = np.add.reduceat(quiet.mean(axis=0), edges)[:-1] / count
+    count, low = np.diff(edges), edges[:-1]
+    banded = [np.add.reduceat(group, edges, axis=1)[:, :-1] / count for group in groups]
+    mean = np.stack([each.mean(axis=0) for each in banded])
+    variance = np.stack([each.var(axis=0, ddof=1) / len(each) for each in banded])
     # Bands that lines were cut out of are no measure.
-    kept = np.minimum(above, below) > _FULL
+    kept = np.min(mean, axis=0) > _FULL
     if kept.sum() < 4:
-        return
-    above, below, count, edges_low = above[kept], below[kept], count[kept], edges[:-1][kept]
+        return None
+    mean, variance, count, low = mean[:, kept], variance[:, kept], count[kept], low[kept]
+    middle = np.sqrt(low * (low + count - 1)) / _TILE
+    usual = np.average(mean, axis=0, weights=[len(group) for group in groups])
     # Whitened by their mean, white noise that is added weighs as one over the density there.
-    middle = np.sqrt(edges_low * (edges_low + count - 1)) / _TILE
-    weight = 1 / np.interp(middle, state.left.frequency, state.variance)
-    variance = (above**2 / len(loud) + below**2 / len(quiet)) / count
-    difference = above - below
-    added = np.sum(difference * weight / variance) / np.sum(weight**2 / variance)
-    misfit = float(np.sum((difference - added * weight) ** 2 / variance))
-    size = np.std((difference - added * weight) / below)
-    if chi2.sf(misfit, count.size - 1) < _RESHAPED and size > _PLAIN:
-        state.disowned |= {"variance_modulation", "low_pass"}
-        strongest = int(np.argmax(difference**2 / variance))
-        why = "the shape of the spectrum changes in time, and not only its level"
-        state.unknown.append(Unknown(float(middle[strongest]), 0.5, why, in_time=True))
+    weight = 1 / np.interp(middle, frequency, variance_there)
+    difference = mean - usual
+    variance = np.maximum(variance, mean**2 / count / np.array([[len(g)] for g in groups]))
+    added = np.sum(difference * weight / variance, axis=1) / np.sum(weight**2 / variance, axis=1)
+    rest = difference - added[:, None] * weight
+    misfit = float(np.sum(rest**2 / variance))
+    freedom = (len(groups) - 1) * (count.size - 1)
+    size = np.sqrt(max(np.mean((rest / mean) ** 2) - np.mean(variance / mean**2), 0.0))
+    log_p = float(chi2.logsf(misfit, freedom))
+    if log_p > np.log(_RESHAPED) or size < _PLAIN:
+        return None
+    return float(middle[int(np.argmax(np.sum(rest**2 / variance, axis=0)))]), log_p
 
 
 def _bump_instead(state: Investigation) -> None:
@@ -270,6 +288,11 @@ def _bump_instead(state: Investigation) -> None:
         return
     bump = found[0]
     named = sum(score(name, 0.0) for name in kinds.names) + bare.deviance - state.model.deviance
+    named += sum(
+        _search.rarity(state.model, state.data, place)
+        for place in range(len(kinds.added))
+        if place not in state.wandering
+    )
     rival = score("bump", bump.gain) - _INSIDE
     for finding in state.findings:
         if finding.name in kinds.names and finding.rivals:
