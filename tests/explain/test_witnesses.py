@@ -6,6 +6,7 @@ import pytest
 from allanfit.explain._format import sample_format
 from allanfit.explain._lines import refine, scan
 from allanfit.explain._spread import contamination, modulation, runs, uneven
+from allanfit.explain._state import about_format, begin
 from allanfit.explain._telegraph import two_levels
 
 SAMPLES = 40_000
@@ -75,6 +76,23 @@ def test_held_rounded_and_clipped_samples_are_known(white):
     assert set(clipped.rails) == {-2.0, 2.0}
     healthy = sample_format(white, ((0, SAMPLES),))
     assert (healthy.repeat, healthy.coarse, healthy.rails) == (None, False, ())
+
+
+def test_codes_of_an_angle_are_told_from_codes_of_a_rate():
+    """Differences of a rounded angle are coarse, and Q says all there is to say."""
+    rng = np.random.default_rng(9)
+    x, code = rng.standard_normal(SAMPLES), 0.8
+    power = np.array([code**2 / 12, 1.0, 0.0, 0.0])
+    for values, named in (
+        (np.diff(np.round(np.cumsum(x) / code) * code), []),
+        (np.round(x / code) * code, ["output_rounding"]),
+    ):
+        state = begin(values, ((0, values.size),), "point", power, 8e-4)
+        assert state.format.coarse
+        about_format(state)
+        assert [finding.name for finding in state.findings] == named
+        # N is the noise without its rounding, within five of its deviations.
+        assert np.exp(state.model.theta[1]) == pytest.approx(1.0, abs=5 * np.sqrt(2 / SAMPLES))
 
 
 @pytest.mark.parametrize("code", [1e-4, 0.05, 0.4])

@@ -10,7 +10,7 @@ from . import _means
 from ._posterior import Draws
 from ._spread import runs
 from ._state import Finding, Investigation
-from ._structure import EACH, added_density, shape_of
+from ._structure import EACH, NARROW, added_density, shape_of
 from ._telegraph import two_levels
 from ._unknown import Unknown
 
@@ -42,7 +42,8 @@ _TOLD_APART = {
 }
 
 
-@dataclass(frozen=True)
+# Told apart by identity: draws are arrays, which `==` compares one by one.
+@dataclass(frozen=True, eq=False)
 class Effect:
     """One effect that the recording holds."""
 
@@ -169,6 +170,8 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             middle, width = (float(np.median(values[key])) for key in ("frequency", "width"))
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band))
+        elif name in NARROW and float(np.median(first)) / dt * _ROOM_PERIOD_S < 1:
+            found.append(_slow_swing(name, own, others, first / dt))
         elif name == "resonance":
             middle, half = float(np.median(first)) / dt, float(np.median(first / second)) / 2 / dt
             values = {"sigma": size, "frequency": first / dt, "quality_factor": second}
@@ -269,11 +272,18 @@ def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:
     middle = float(np.median(frequency))
     band = (0.97 * middle, 1.03 * middle)
     if middle * _ROOM_PERIOD_S < 1 and not any(key == "temperature" for key in others):
-        values = {"time_scale": 1 / np.abs(frequency)}
-        rest = {**others, "sinusoid": own * (1 - _LIKELY_ROOM)}
-        return Effect("temperature", own * _LIKELY_ROOM, rest, values, {}, band)
+        return _slow_swing("sinusoid", own, others, frequency)
     values = {"amplitude": amplitude, "frequency": frequency}
     return Effect("sinusoid", min(own, _LINE), others, values, {}, band)
+
+
+def _slow_swing(name: str, own: float, others: dict[str, float], frequency) -> Effect:
+    """What swings more slowly than anything but a room does, whatever its shape."""
+    middle = float(np.median(frequency))
+    values = {"time_scale": 1 / np.abs(frequency)}
+    rest = {**others, name: own * (1 - _LIKELY_ROOM)}
+    band = (0.97 * middle, 1.03 * middle)
+    return Effect("temperature", own * _LIKELY_ROOM, rest, values, {}, band)
 
 
 def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

@@ -13,7 +13,7 @@ from . import _search
 from ._chance import log_chance
 from ._lasting import about_spread, loudness, without
 from ._rounds import take_one
-from ._state import Finding, Investigation, about_format, begin, resize
+from ._state import Finding, Investigation, about_format, begin, evidence, resize
 from ._unknown import look_again
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
@@ -75,6 +75,27 @@ def _reconsider(state: Investigation) -> None:
             state.findings = [f for f in state.findings if f.name != name]
     if state.sized is not None:
         resize(state)
+        _reconsider_courses(state)
+
+
+def _reconsider_courses(state: Investigation) -> None:
+    """Take back courses that others explain better: a warm-up looks like temperature at first."""
+    for course in [each for each in state.courses if each.name != "sinusoid"]:
+        if len(state.courses) == 1:
+            return
+        place = next(i for i, each in enumerate(state.courses) if each is course)
+        before = state.courses, state.moved, state.sized, state.model, state.data
+        state.courses = state.courses[:place] + state.courses[place + 1 :]
+        state.moved = state.moved[:place] + state.moved[place + 1 :]
+        resize(state)
+        if evidence(state, course)[1] > np.log(state.alarm):
+            # Courses and their findings were added together, and so are in one order.
+            alike = [each for each in before[0] if each.name == course.name]
+            nth = next(i for i, each in enumerate(alike) if each is course)
+            named = [i for i, each in enumerate(state.findings) if each.name == course.name]
+            del state.findings[named[nth]]
+        else:
+            state.courses, state.moved, state.sized, state.model, state.data = before
 
 
 def _leftover(state: Investigation) -> None:

@@ -29,6 +29,8 @@ _MOST_LINES = 12
 _LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
+# Options of the scan at full resolution: peaks of few ordinates and of more.
+_NARROWEST = ("line", "band")
 # Ordinates to either side that no sinusoid fills.
 _SPREAD = 32
 # Ordinates about a line within which nothing else may be.
@@ -57,7 +59,8 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     chosen, among = _choice(state, alarms)
     rivals: dict[str, float] = {}
     for option in found:
-        if among is None or option.name in among:
+        # What a line explains nothing smooth does, and has its own turn: it is no rival.
+        if option.name not in _NARROWEST and (among is None or option.name in among):
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
@@ -75,10 +78,10 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
     A line comes first, since nothing smooth explains one; but not while the level on which it
     stands is grossly wrong. Then a filter, which bends that level; then what is narrow.
     """
-    lines = [option for option in alarms if option.name in ("line", "band")]
+    lines = [option for option in alarms if option.name in _NARROWEST]
     others = [option for option in alarms if option not in lines]
     best = max(others, key=lambda option: option.score, default=None)
-    narrow = [option for option in lines if option.name == "line"]
+    narrow = [option for option in lines if option.name == _NARROWEST[0]]
     if narrow and (best is None or narrow[0].log_p < best.log_p):
         return narrow[0], ()
     if best is not None and best.name == "low_pass":
@@ -127,7 +130,7 @@ def _line_options(state: Investigation) -> list[Option]:
     def take(rivals: dict[str, float]) -> None:
         _take_line(state, peaks, sine, white)
 
-    name = "line" if _sharp(peak, white.size) else "band"
+    name = _NARROWEST[0 if _sharp(peak, white.size) else 1]
     # On the scale of the other options' chances, which have an alarm of their own.
     log_p = peak.log_p - np.log(_LINE_ALARM)
     return [Option(name, log_p, sine.gain, sine.gain, take)]

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from ..physics import Sampling
 from ..recording._checks import usable
-from . import _means, _search
+from . import _climb, _means, _search
 from ._chance import course_log_chance
 from ._format import Format, sample_format
 from ._held_out_values import Gain, of_codes, of_rails
@@ -21,6 +21,11 @@ from ._search import Candidate, Model
 from ._spread import Contamination, Modulation
 from ._structure import Data
 from ._whiten import level, whitened
+
+# Beside this part of the noise a code's width says nothing.
+_FINE = 0.05
+# So many logs of rates for one of differences of an angle.
+_RATES = 10.0
 
 
 @dataclass
@@ -158,15 +163,39 @@ def about_format(state: Investigation) -> None:
             state.spectrum = state.spectrum._replace(top=0.5 / made.repeat.samples)
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
-    if made.coarse:
+    of_angle = _angle_is_rounded(state)
+    if made.coarse and not of_angle:
         state.name_once(Finding("output_rounding", -1e3, 0.0))
         state.gains["output_rounding"] = of_codes(usable(state.values, state.pieces), made.width)
     if made.rails:
         state.name_once(Finding("saturation", -1e3, 0.0))
         state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
-    # Rounding is white noise behind any filter, however little.
-    state.foreign += made.width**2 / 12
+    if not of_angle:
+        # Rounding is white noise behind any filter, however little.
+        state.foreign += made.width**2 / 12
     refit(state)
+
+
+def _angle_is_rounded(state: Investigation) -> bool:
+    """Whether codes are those of an angle, or a velocity, whose differences are logged.
+
+    Then Q is what rounding makes of it, one code over sqrt(12), and there is nothing else to add;
+    rounding of the rate itself leaves Q as it is, mostly zero. The two are compared by their
+    evidence, all values of Q over ten e-folds being alike to the latter, and zero as likely.
+    """
+    width, first = state.format.width, state.model
+    if width < _FINE * state.format.sigma or state.format.repeat is not None:
+        return False
+    terms = np.array(state.data.terms)
+    terms[0] = False
+    bare = _search.best([(first.kinds, first.theta)], state.data._replace(terms=terms))[0]
+    slopes = _climb.log_slopes(first.theta[None], first.kinds, state.data)[0]
+    information = (slopes * np.asarray(state.data.bins.shape)[:, None]).T @ slopes
+    deviation = float(np.sqrt(np.linalg.pinv(information, hermitian=True)[0, 0]))
+    score = (first.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
+    vague = 0.5 * np.exp(-(bare.deviance - first.deviance) / 2)
+    vague += 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
+    return bool(-(score**2) / 2 > np.log(_RATES * vague))
 
 
 def refit(state: Investigation) -> None:
