@@ -25,14 +25,16 @@ from ._structure import (
 
 _STEPS = 60
 # Less than this in twice the log-likelihood is as good as nothing.
-_GAIN = 1e-4
+LEAST_GAIN = 1e-4
 _LONGEST_STEP = 3.0
 
 Starts = Float[np.ndarray, "starts parameters"]
 
 
-def climb(starts: Starts, kinds: Kinds, data: Data) -> tuple[Starts, Float[np.ndarray, " starts"]]:
-    """Where each start leads, and the deviance there."""
+def climb(
+    starts: Starts, kinds: Kinds, data: Data, least_gain: float = LEAST_GAIN
+) -> tuple[Starts, Float[np.ndarray, " starts"]]:
+    """Where each start leads, until a step gains less in deviance, and the deviance there."""
     moving = active(kinds, data.terms)
 
     def mean(theta):
@@ -41,7 +43,7 @@ def climb(starts: Starts, kinds: Kinds, data: Data) -> tuple[Starts, Float[np.nd
     def slopes(theta):
         return _mean(theta, kinds, data, slopes=True)
 
-    return _ascend(np.array(starts), moving, mean, slopes, data)
+    return _ascend(np.array(starts), moving, mean, slopes, data, least_gain)
 
 
 def rescale(
@@ -67,7 +69,7 @@ def rescale(
         return total, np.moveaxis(share / total[:, None], 1, 2)
 
     reached, value = _ascend(
-        np.array(theta[sizes][None]), moving, lambda logs: slopes(logs)[0], slopes, data
+        np.array(theta[sizes][None]), moving, lambda logs: slopes(logs)[0], slopes, data, LEAST_GAIN
     )
     best = np.array(theta)
     best[sizes] = reached[0]
@@ -143,7 +145,9 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     return total, np.concatenate(blocks, axis=2) / total[..., None]
 
 
-def _ascend(theta, moving, mean, slopes, data: Data, damping=None, steps: int = _STEPS):
+def _ascend(
+    theta, moving, mean, slopes, data: Data, least_gain: float, damping=None, steps: int = _STEPS
+):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
     density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
 
@@ -161,7 +165,7 @@ def _ascend(theta, moving, mean, slopes, data: Data, damping=None, steps: int = 
         if len(theta) > 1 and still.sum() == 1:
             # The last one on its way goes on alone: all at once cost as much with one as with all.
             theta[still], value[still] = _ascend(
-                theta[still], moving, mean, slopes, data, damping[still], steps - done
+                theta[still], moving, mean, slopes, data, least_gain, damping[still], steps - done
             )
             break
         total, slope = slopes(theta)
@@ -185,7 +189,7 @@ def _ascend(theta, moving, mean, slopes, data: Data, damping=None, steps: int = 
             theta = np.where(better[:, None], tried, theta)
             value = np.where(better, reached, value)
             damping = np.where(better, np.clip(factor * damping, 1e-9, 1e9), damping)
-            still = still & ~(better & (gained < _GAIN))
+            still = still & ~(better & (gained < least_gain))
             moved |= better
             if np.all(moved | ~still):
                 break

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
-from ._climb import climb, expected_density, rescale
+from ._climb import LEAST_GAIN, climb, expected_density, rescale
 from ._structure import (
     ADDED,
     EACH,
@@ -24,6 +24,8 @@ from ._structure import (
 # Starts are filled up to this many, for few compilations.
 _STARTS = 8
 _MOST_ADDED = 3
+# Less than this in a step, and another start of the same name is ahead or soon will be.
+_ROUGH_GAIN = 0.02
 # Part of the spectrum that a term is given to start with.
 _FAINT = 1e-4
 
@@ -58,7 +60,9 @@ def five_terms(power: np.ndarray, data: Data) -> Model:
         return best([(Kinds(), np.log(power))], data)[0]
 
 
-def best(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[Model]:
+def best(
+    starts: list[tuple[Kinds, np.ndarray]], data: Data, least_gain: float = LEAST_GAIN
+) -> list[Model]:
     """Where each start leads; neighbours of one kind climb together."""
     # A term at zero may still be wanted by finer bins or beside other effects, but a power whose
     # logarithm runs away never returns: it starts where it hardly shows.
@@ -76,7 +80,7 @@ def best(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[Model]:
         # A few sizes of groups are all that is ever compiled.
         count = 1 if len(group) == 1 else _STARTS
         filled = np.concatenate([group, np.repeat(group[-1:], count - len(group), axis=0)])
-        thetas, deviances = climb(filled, kinds, data)
+        thetas, deviances = climb(filled, kinds, data, least_gain)
         found += [
             Model(kinds, theta, float(deviance) if np.isfinite(deviance) else np.inf)
             for theta, deviance in zip(thetas[: len(group)], deviances[: len(group)], strict=True)
@@ -135,11 +139,14 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
 
 
 def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
-    found = best([(kinds, theta) for _, kinds, theta in starts], data)
+    found = best([(kinds, theta) for _, kinds, theta in starts], data, _ROUGH_GAIN)
     leading: dict[str, Model] = {}
     for (name, _, _), reached in zip(starts, found, strict=True):
         if name not in leading or reached.deviance < leading[name].deviance:
             leading[name] = reached
+    # Of many starts one matters, and it goes the rest of its way alone.
+    for name, reached in leading.items():
+        leading[name] = best([(reached.kinds, reached.theta)], data)[0]
     return [
         Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
         for name, reached in leading.items()

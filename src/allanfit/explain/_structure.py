@@ -144,7 +144,8 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
         def peak(f, b):
             if name == "resonance":
                 # A sharp choice of the broader: nodes see a peak that is as broad as its bin.
-                broad = (second**-4.0 + (b / first) ** 4) ** -0.25
+                quarter = jnp.square(jnp.square(1 / second)) + jnp.square(jnp.square(b / first))
+                broad = 1 / jnp.sqrt(jnp.sqrt(quarter))
                 return Resonance(one, first, broad).density(f, 1.0, "point")
             return DriftingLine(one, first, jnp.hypot(first * second, b / 4)).density(
                 f, 1.0, "point"
