@@ -27,6 +27,8 @@ RAMP_MODES = 32
 # Above this order the ends of a record matter to no term (5e-5 of the density of flicker).
 _LOW_MODES = 4096
 _CHUNK = 16384
+# Up to this order each ordinate is computed, beyond their mean over a bin by so many nodes.
+_EXACT, _NODES = 65_536, 12
 
 
 # NumPy when made, traced when inside jit.
@@ -84,25 +86,29 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
     ramp_variance = np.ones((len(lengths), RAMP_MODES, len(NOISE_TERMS)))
     bin_index, projections = [], []
     for stretch, length in enumerate(lengths):
-        order = np.arange(1, length, dtype=np.float64)
-        stretch_frequency = order / (2 * length)
-        index = np.clip(np.searchsorted(edges, stretch_frequency[1:], side="right") - 1, 0, None)
-        index = index.astype(np.int32)
-        bin_index.append(index)
-        ordinates += np.bincount(index, minlength=bins)
-        frequency += np.bincount(index, stretch_frequency[1:], minlength=bins)
+        # Edges lie between ordinates of the longest stretch, and may meet those of another.
+        ends = np.ceil(np.round(edges * 2 * length, 6)).astype(int).clip(2, length)
+        ends[0], ends[-1] = 2, length
+        count = np.diff(ends)
+        bin_index.append(np.repeat(np.arange(bins, dtype=np.int32), count))
+        ordinates += count
+        # The mean of consecutive orders is that of the first and the last.
+        frequency += count * (ends[:-1] + ends[1:] - 1) / (4 * length)
         projection = RampProjection(length)
         projections.append(projection)
         odd = slice(0, 2 * RAMP_MODES, 2)
+        order = np.arange(1, min(length, _EXACT + 1), dtype=np.float64)
         modes = len(order[odd])
-        ramp[stretch, :modes] = ramp_coefficients(length)[odd]
+        ramp[stretch, :modes] = ramp_coefficients(length, len(order))[odd]
+        index = bin_index[-1][: len(order) - 1]
         for column, term in enumerate(NOISE_TERMS):
-            expected = expected_ordinates(term, length, stretch_frequency, sampling)
+            expected = expected_ordinates(term, length, order / (2 * length), sampling)
             # An ordinate is 2 dt c^2, so c has half its variance.
             ramp_variance[stretch, :modes, column] = expected[odd] / 2
             density[:, column] += np.bincount(
                 index, projection.expectation(expected), minlength=bins
             )
+            density[:, column] += _beyond(term, length, ends, sampling)
     used = ordinates > 0
     count = np.maximum(ordinates, 1)
     renumber = np.cumsum(used) - 1
@@ -121,6 +127,25 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         differences=np.sum([np.maximum(length - 2 * sizes + 1, 0) for length in lengths], axis=0),
         allan=expected_allan(sizes, sampling),
     )
+
+
+def _beyond(
+    term: type[AbstractNoiseTerm], length: int, ends: Int[np.ndarray, " edges"], sampling: Sampling
+) -> Float[np.ndarray, " bins"]:
+    """Sums of expected ordinates over each bin's orders above `_EXACT`, per unit power.
+
+    There the ends of the record and the ramp matter no more, and a sum over thousands of orders is
+    an integral to 1e-9 (Euler and Maclaurin), which Gauss and Legendre's nodes give exactly.
+    """
+    low = np.maximum(ends[:-1], _EXACT + 1) - 0.5
+    width = np.maximum(ends[1:] - 0.5 - low, 0.0)
+    if not width.any():
+        return width
+    place, weight = np.polynomial.legendre.leggauss(_NODES)
+    order = low[:, None] + width[:, None] * (1 + place) / 2
+    frequency = np.minimum(order.ravel() / (2 * length), 0.5)
+    values = expected_ordinates(term, length, frequency, sampling, low_modes=False)
+    return width * (values.reshape(order.shape) @ weight) / 2
 
 
 @lru_cache(maxsize=32)
@@ -152,11 +177,17 @@ def expected_allan(
 
 
 def expected_ordinates(
-    term: type[AbstractNoiseTerm], samples: int, frequency: np.ndarray, sampling: Sampling
+    term: type[AbstractNoiseTerm],
+    samples: int,
+    frequency: np.ndarray,
+    sampling: Sampling,
+    *,
+    low_modes: bool = True,
 ) -> np.ndarray:
     """Those of orders 1 and up of a record of so many samples, per unit power; under x64.
 
-    In chunks of one size, so that all lengths share one compilation.
+    In chunks of one size, so that all lengths share one compilation. Without `low_modes` the
+    frequencies are any at which the ends of the record do not matter.
     """
     padded = np.pad(frequency, (0, -len(frequency) % _CHUNK), constant_values=0.25)
     chunks = [
@@ -164,6 +195,8 @@ def expected_ordinates(
         for chunk in padded.reshape(-1, _CHUNK)
     ]
     expected = np.concatenate(chunks)[: len(frequency)]
+    if not low_modes:
+        return expected
     low = np.asarray(_low_mode_ratio(term, jnp.asarray(samples)))
     expected[:_LOW_MODES] *= low[: len(expected)]
     return expected

@@ -15,9 +15,10 @@ of them before they are squared, so that what is left knows nothing of it.
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import jax.scipy.fft
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
+
+from ._cosine import dct, idct
 
 # Up to this coefficient the ramp is fitted as if a random walk were the noise, beyond as if the
 # noise were white; either way the loss is a few per cent of one degree of freedom.
@@ -26,22 +27,28 @@ _WALK_MODES = 8
 
 def cosine_coefficients(x: Float[Array, " samples"]) -> Float[Array, " modes"]:
     """c_1 to c_{N-1} of the orthonormal DCT-II [u], without the mean c_0."""
-    return jax.scipy.fft.dct(x - jnp.mean(x), type=2, norm="ortho")[1:]
+    return dct(x - jnp.mean(x))[1:]
 
 
 def slow_part(x: Float[Array, " samples"], modes: int) -> Float[Array, " samples"]:
     """What the coefficients c_1 to c_`modes` say of x: smooth, and without the mean [u]."""
     coefficients = cosine_coefficients(x)
     kept = jnp.where(jnp.arange(1, x.shape[0]) <= modes, coefficients, 0.0)
-    return jax.scipy.fft.idct(jnp.pad(kept, (1, 0)), type=2, norm="ortho")
+    return idct(jnp.pad(kept, (1, 0)))
 
 
 def ramp_coefficients(samples: int, modes: int | None = None) -> Float[np.ndarray, " modes"]:
     """The first cosine coefficients of the ramp x_k = k, all by default: zero for even orders."""
-    order = np.arange(1, samples if modes is None else modes + 1)
+    ramp = np.zeros(samples - 1 if modes is None else modes)
+    ramp[::2] = _odd_ramp(samples, np.arange(1, len(ramp) + 1, 2))
+    return ramp
+
+
+def _odd_ramp(
+    samples: int, order: Int[np.ndarray, " odd_modes"]
+) -> Float[np.ndarray, " odd_modes"]:
     half_angle = np.pi * order / (2 * samples)
-    ramp = -np.sqrt(2 / samples) * np.cos(half_angle) / (2 * np.sin(half_angle) ** 2)
-    return np.where(order % 2 == 1, ramp, 0.0)
+    return -np.sqrt(2 / samples) * np.cos(half_angle) / (2 * np.sin(half_angle) ** 2)
 
 
 class RampProjection(eqx.Module):
@@ -61,7 +68,7 @@ class RampProjection(eqx.Module):
     def __init__(self, samples: int, modes: int | None = None):
         self.modes = samples - 1 if modes is None else modes
         odd = np.arange(1, self.modes + 1, 2)
-        ramp = ramp_coefficients(samples, self.modes)[::2] * _weight(odd)
+        ramp = _odd_ramp(samples, odd) * _weight(odd)
         # The sign is that of the first coefficient, so that the reflection is well conditioned.
         self.odd_direction = -ramp / np.linalg.norm(ramp)
 

@@ -24,11 +24,11 @@ S = sum_j (a_j/j) s_j, because sines are orthogonal.
 
 import jax
 import jax.numpy as jnp
-import jax.scipy.fft
 import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..curves import Design
+from ..curves._cosine import idct
 from ._likelihood import Powers, fisher_information
 
 # Orders of the ramp: it fills every other one of them.
@@ -128,4 +128,4 @@ def ramp_matrix(
 
 
 def _signal(coefficients: Float[Array, " rest"]) -> Float[Array, " samples"]:
-    return jax.scipy.fft.idct(jnp.pad(coefficients, (2, 0)), type=2, norm="ortho")
+    return idct(jnp.pad(coefficients, (2, 0)))
