@@ -221,6 +221,8 @@ def calibration(rows, of_members=False):
     for row in rows:
         key = "name" if of_members else "accepted"
         true = {name for effect in row.effects for name in _several(effect[key])}
+        # What has no name is rightly called a bump.
+        true |= {"bump"} if row.outside else set()
         for effect in row.said.get("effects", []):
             alike = not of_members and effect["name"] in SPECTRUM_ALIKE
             others = effect.get("alternatives", []) if alike else []

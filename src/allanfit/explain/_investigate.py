@@ -13,7 +13,15 @@ from . import _search
 from ._chance import log_chance
 from ._lasting import about_spread, loudness, without
 from ._rounds import take_one
-from ._state import Finding, Investigation, about_format, begin, evidence, resize
+from ._state import (
+    Finding,
+    Investigation,
+    about_angle,
+    about_format,
+    begin,
+    evidence,
+    resize,
+)
 from ._unknown import look_again
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
@@ -57,6 +65,7 @@ def investigate(
     for _ in range(_MOST_ROUNDS):
         if not take_one(state, drivers):
             break
+    about_angle(state)
     _reconsider(state)
     look_again(state)
     _leftover(state)

@@ -68,8 +68,9 @@ class Investigation:
     contamination: Contamination | None = None
     modulation: Modulation | None = None
     knocks: list[tuple[int, int]] = field(default_factory=list)
-    #: Variance of white noise that does not belong to N: rounding, spikes, loud times [u^2].
+    #: Variance of white noise that does not belong to N: of spikes and loud times, and of codes.
     foreign: float = 0.0
+    rounding: float = 0.0
     witnesses: list[dict[str, Any]] = field(default_factory=list)
     #: What findings gain on samples that they were not found in, by name of the effect.
     gains: dict[str, Gain] = field(default_factory=dict)
@@ -163,17 +164,25 @@ def about_format(state: Investigation) -> None:
             state.spectrum = state.spectrum._replace(top=0.5 / made.repeat.samples)
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
-    of_angle = _angle_is_rounded(state)
-    if made.coarse and not of_angle:
+    if made.coarse:
         state.name_once(Finding("output_rounding", -1e3, 0.0))
         state.gains["output_rounding"] = of_codes(usable(state.values, state.pieces), made.width)
     if made.rails:
         state.name_once(Finding("saturation", -1e3, 0.0))
         state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
-    if not of_angle:
-        # Rounding is white noise behind any filter, however little.
-        state.foreign += made.width**2 / 12
+    # Rounding is white noise behind any filter, however little.
+    state.rounding = made.width**2 / 12
+    about_angle(state)
     refit(state)
+
+
+def about_angle(state: Investigation) -> None:
+    """Codes of an angle are no rounding of the rate: Q says it all."""
+    if state.rounding > 0 and _angle_is_rounded(state):
+        state.rounding = 0.0
+        state.findings = [each for each in state.findings if each.name != "output_rounding"]
+        state.gains.pop("output_rounding", None)
+        refit(state)
 
 
 def _angle_is_rounded(state: Investigation) -> bool:
@@ -183,17 +192,17 @@ def _angle_is_rounded(state: Investigation) -> bool:
     rounding of the rate itself leaves Q as it is, mostly zero. The two are compared by their
     evidence, all values of Q over ten e-folds being alike to the latter, and zero as likely.
     """
-    width, first = state.format.width, state.model
+    width, model = state.format.width, state.model
     if width < _FINE * state.format.sigma or state.format.repeat is not None:
         return False
     terms = np.array(state.data.terms)
     terms[0] = False
-    bare = _search.best([(first.kinds, first.theta)], state.data._replace(terms=terms))[0]
-    slopes = _climb.log_slopes(first.theta[None], first.kinds, state.data)[0]
+    bare = _search.best([(model.kinds, model.theta)], state.data._replace(terms=terms))[0]
+    slopes = _climb.log_slopes(model.theta[None], model.kinds, state.data)[0]
     information = (slopes * np.asarray(state.data.bins.shape)[:, None]).T @ slopes
     deviation = float(np.sqrt(np.linalg.pinv(information, hermitian=True)[0, 0]))
-    score = (first.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
-    vague = 0.5 * np.exp(-(bare.deviance - first.deviance) / 2)
+    score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
+    vague = 0.5 * np.exp(-(bare.deviance - model.deviance) / 2)
     vague += 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
     return bool(-(score**2) / 2 > np.log(_RATES * vague))
 
@@ -202,7 +211,9 @@ def refit(state: Investigation) -> None:
     """The present structure again, with what is known of white noise that is not N."""
     # Of all white noise something has to be left for N: coarse codes may hide the noise.
     white = 2 * float(np.exp(state.first.theta[1]))
-    state.data = state.data._replace(foreign=min(2 * state.foreign, 0.999 * white))
+    state.data = state.data._replace(
+        foreign=min(2 * (state.foreign + state.rounding), 0.999 * white)
+    )
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
     state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)

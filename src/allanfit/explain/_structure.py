@@ -99,8 +99,8 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         # With less quality it hardly swings, and is a relaxation to all who look at it.
         "resonance": ((2 / samples, 0.499), (1.5, 3000.0)),
         "power_law": ((0.15, 2.95), (0.5, 2.0)),
-        # The width is relative: a line wider than a third of its frequency is none.
-        "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.3)),
+        # The width is relative: what wanders by more than a tenth of its frequency is no line.
+        "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.1)),
         "low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),

@@ -277,7 +277,7 @@ def _reshaped(
 def _bump_instead(state: Investigation) -> None:
     """Whether a smooth bump describes the spectrum better than all that was named in it."""
     kinds = state.model.kinds
-    if not kinds.names or kinds.shaping == "bump" or len(kinds.names) > 2:
+    if not kinds.names or kinds.shaping == "bump":
         return
     if state.disowned & set(kinds.names):
         return
