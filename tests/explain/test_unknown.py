@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
 import allanfit
 from allanfit.explain import explain_recording
 from allanfit.explain._held_out_values import of_codes, of_events, of_spikes, of_swing
 from allanfit.explain._moving import Band
-from allanfit.explain._unknown import _even, _pulse, _reshaped, swinging
+from allanfit.explain._unknown import _even, _pulse
 
 # The length and rate of test_explain, for one compilation.
 RATE, SAMPLES = 50.0, 30_000
@@ -49,13 +48,6 @@ def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     assert channel["improvement"]["held_out_log_score"]["difference"] > 10
 
 
-def test_a_steady_line_and_steady_noise_are_no_swing():
-    """Of 100 records a tenth at .1 or fewer; false alarm 2e-3."""
-    rng = np.random.default_rng(1)
-    chances = np.exp([swinging(rng.standard_normal(8192))[1] for _ in range(100)])
-    assert binom.sf(np.sum(chances < 0.1) - 1, 100, 0.1) > 2e-3
-
-
 def test_harmonics_and_strangers_are_no_comb():
     assert _even([0.1, 0.1004, 0.1008, 0.1016], SAMPLES)
     assert not _even([0.1, 0.1004, 0.1011, 0.1016], SAMPLES)
@@ -74,18 +66,6 @@ def test_weak_bursts_have_a_period_and_steady_noise_has_none():
         share = (amplitude**2 / 2 / 7) / (2 * (high - low)) / 1.0
         band = Band(low, high, at, np.full(at.size, share / (1 + share)))
         assert _pulse(white, band) == pytest.approx(expected, rel=0.01)
-
-
-def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
-    rng = np.random.default_rng(5)
-    flat = np.linspace(0.0, 0.5, 100), np.ones(100)
-    first, second = rng.exponential(size=(2, 60, 129))
-    assert _reshaped([first, second], *flat) is None
-    assert _reshaped([first, 3 * second], *flat) is None
-    tilted = second * np.linspace(0.7, 1.3, 129)
-    found = _reshaped([first, tilted], *flat)
-    assert found is not None
-    assert found[1] < np.log(1e-6)
 
 
 def test_the_gain_of_events_is_their_information():

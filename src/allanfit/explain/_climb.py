@@ -6,6 +6,7 @@ anew for every structure, which takes longer than all its steps.
 """
 
 from functools import partial
+from typing import Any
 
 import jax
 import numpy as np
@@ -90,6 +91,15 @@ def log_slopes(
     found = _mean(theta, kinds, data, slopes=True)[1]
     assert found is not None
     return np.where(active(kinds, data.terms) & np.isfinite(found), found, 0.0)
+
+
+def filter_slopes(
+    shaping: str, three: Float[np.ndarray, " three"], nodes: Any, samples: Any
+) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, "bins three"]]:
+    """The gain of a filter on white noise, aliases included, and its derivatives."""
+    gain = _gains(shaping, three[None], nodes, samples)[0]
+    slopes = _gain_slopes(shaping, three[None], nodes, samples)[0]
+    return np.asarray(gain)[0], np.asarray(slopes)[0]
 
 
 def parts(theta: Starts, kinds: Kinds, data: Data):

@@ -9,16 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2, gamma
+from scipy.stats import gamma
 
 from . import _search
 from ._chance import score
+from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
+from ._climb import filter_slopes
 from ._held_out_values import of_swing
 from ._moving import Band, moving
 from ._search import Candidate, Model
 from ._spread import PULLED_IN
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, NARROW, added_density, shape_of
+from ._structure import EACH, NARROW, TERMS, added_density, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -26,23 +28,14 @@ _INSIDE = 2 * float(np.log(19))
 _SHARES = 512
 # A pulse is looked for from so many periods on, and must be as unlikely.
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
+# A filter's corner moves if chance says so as rarely, and it gains such a part of the filter.
+_CORNER, _CORNER_SHARE = 1e-4, 0.05
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
 _FINE = 0.1
 # A swing to and fro turns at sqrt(2) times its rms.
 _TURN = 1.6
-# A swing of the noise is looked for between so many periods and so few samples a period.
-_FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
-_TILE = 256
-_BANDS = 12
-# A spectrum is watched in so many parts of the record.
-_PARTS = 24
-# A changing spectrum must be as unlikely under a change of white noise.
-_RESHAPED = 1e-6
-# And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
-_PLAIN = 0.1
-_FULL = 0.5
 
 
 class Unknown(NamedTuple):
@@ -217,15 +210,14 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     if state.format.coarse or state.format.repeat is not None:
         # What rounding makes of noise depends on where the mean is.
         return
-    tiles = white.size // _TILE
-    powers = np.abs(np.fft.rfft(white[: tiles * _TILE].reshape(tiles, _TILE))) ** 2 / _TILE
-    parts = min(_PARTS, tiles // _BANDS)
-    part = np.arange(tiles) * parts // max(tiles, 1)
+    powers = tiles(white)
     made_white = state.left.frequency, state.variance
-    found = _reshaped([powers[part == each] for each in range(parts)], *made_white)
+    found = reshaped(parts(powers), *made_white)
     if state.modulation is not None:
-        share = state.modulation.loud[: tiles * _TILE].reshape(tiles, _TILE).mean(axis=1)
-        found = _reshaped([powers[share > 0.99], powers[share < 0.01]], *made_white) or found
+        loud = shares(state.modulation.loud)
+        found = reshaped([powers[loud > 0.99], powers[loud < 0.01]], *made_white) or found
+    else:
+        found = found or _corner_moves(state, powers)
     if found is None:
         return
     frequency, log_p = found
@@ -236,42 +228,22 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     state.unknown.append(Unknown(frequency, 0.5, why, in_time=True))
 
 
-def _reshaped(
-    groups: list[Float[np.ndarray, "_ frequencies"]],
-    frequency: Float[np.ndarray, " ordinates"],
-    variance_there: Float[np.ndarray, " ordinates"],
+def _corner_moves(
+    state: Investigation, powers: Float[np.ndarray, "tiles frequencies"]
 ) -> tuple[float, float] | None:
-    """Where spectra of parts of a record differ most in shape, and the log of its chance.
-
-    `groups` are powers of tiles of the white record, and the others what it was made white with.
-    """
-    if len(groups) < 2 or min(len(group) for group in groups) < _BANDS:
+    """Where a filter has its corner, if that moves; and the log of the chance that it seems so."""
+    named = next((each for each in state.findings if each.name == "low_pass"), None)
+    shaping = state.model.kinds.shaping
+    if named is None or shaping is None or named.gain <= 0:
         return None
-    edges = np.unique(np.geomspace(1, _TILE // 2, _BANDS + 1).round().astype(int))
-    count, low = np.diff(edges), edges[:-1]
-    banded = [np.add.reduceat(group, edges, axis=1)[:, :-1] / count for group in groups]
-    mean = np.stack([each.mean(axis=0) for each in banded])
-    variance = np.stack([each.var(axis=0, ddof=1) / len(each) for each in banded])
-    # Bands that lines were cut out of are no measure.
-    kept = np.min(mean, axis=0) > _FULL
-    if kept.sum() < 4:
+    frequency = np.arange(1, powers.shape[1] - 1) / (2 * (powers.shape[1] - 1))
+    nodes, three = np.stack([frequency] * 3, axis=1), state.model.theta[TERMS : TERMS + EACH]
+    folded = [np.asarray(each) for each in filter_slopes(shaping, three, nodes, state.data.samples)]
+    gain, log_p = moved_along(powers[:, 1:-1], folded[1][:, 1] / folded[0])
+    if log_p > np.log(_CORNER) or gain < _CORNER_SHARE * named.gain:
         return None
-    mean, variance, count, low = mean[:, kept], variance[:, kept], count[kept], low[kept]
-    middle = np.sqrt(low * (low + count - 1)) / _TILE
-    usual = np.average(mean, axis=0, weights=[len(group) for group in groups])
-    # Whitened by their mean, white noise that is added weighs as one over the density there.
-    weight = 1 / np.interp(middle, frequency, variance_there)
-    difference = mean - usual
-    variance = np.maximum(variance, mean**2 / count / np.array([[len(g)] for g in groups]))
-    added = np.sum(difference * weight / variance, axis=1) / np.sum(weight**2 / variance, axis=1)
-    rest = difference - added[:, None] * weight
-    misfit = float(np.sum(rest**2 / variance))
-    freedom = (len(groups) - 1) * (count.size - 1)
-    size = np.sqrt(max(np.mean((rest / mean) ** 2) - np.mean(variance / mean**2), 0.0))
-    log_p = float(chi2.logsf(misfit, freedom))
-    if log_p > np.log(_RESHAPED) or size < _PLAIN:
-        return None
-    return float(middle[int(np.argmax(np.sum(rest**2 / variance, axis=0)))]), log_p
+    corner, _ = shape_of(shaping, three, float(state.data.samples))
+    return min(float(corner), 0.5), log_p
 
 
 def _bump_instead(state: Investigation) -> None:
@@ -302,27 +274,6 @@ def _bump_instead(state: Investigation) -> None:
         state.findings = [f for f in state.findings if f.name not in kinds.names]
         state.unexplained = Candidate("bump", bump.model, bump.gain)
         state.model = bump.model
-
-
-def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None:
-    """Period [samples] and log chance of noise whose strength swings, too fast for `_spread`.
-
-    The squares of a white record are white; a periodic strength is a line among them.
-    """
-    squares = white**2 - np.mean(white**2)
-    power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
-    usable = np.zeros(power.size, bool)
-    usable[_FEWEST_SWINGS : power.size * 2 // _FEWEST_SAMPLES] = True
-    if usable.sum() < _TILE:
-        return None
-    # A strong resonance makes the squares uneven: each stretch of them by its own median.
-    block = _TILE
-    starts = np.arange(0, power.size, block)
-    own = np.array([np.median(power[a : a + block]) for a in starts]) / np.log(2)
-    power = power / np.maximum(np.repeat(own, block)[: power.size], 1.0)
-    at = int(np.argmax(np.where(usable, power, 0.0)))
-    log_p = float(min(0.0, np.log(usable.sum()) - power[at]))
-    return white.size / at, log_p
 
 
 def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:

@@ -1,0 +1,118 @@
+"""Whether the shape of a spectrum, or the strength of noise, changes in the course of a record."""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.fft import dct
+from scipy.stats import chi2
+
+# A swing of the noise is looked for between so many periods and so few samples a period.
+_FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
+_TILE = 256
+_BANDS = 12
+# A spectrum is watched in so many parts of the record.
+MOST_PARTS = 24
+# A changing spectrum must be as unlikely under a change of white noise.
+_RESHAPED = 1e-6
+# And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
+_PLAIN = 0.1
+_FULL = 0.5
+# Changes slower than a quarter of the highest frequency of tiles are looked for.
+_SLOWEST_PART = 8
+
+Powers = Float[np.ndarray, "tiles frequencies"]
+
+
+def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
+    """Powers of short pieces of a white record, from zero to the Nyquist frequency: ones."""
+    count = white.size // _TILE
+    return np.abs(np.fft.rfft(white[: count * _TILE].reshape(count, _TILE))) ** 2 / _TILE
+
+
+def shares(flags: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
+    """How much of each tile is flagged."""
+    count = flags.size // _TILE
+    return flags[: count * _TILE].reshape(count, _TILE).mean(axis=1)
+
+
+def parts(powers: Powers) -> list[Powers]:
+    """Tiles in equal parts of the record, each of enough for its spectrum."""
+    count = min(MOST_PARTS, len(powers) // _BANDS)
+    part = np.arange(len(powers)) * count // max(len(powers), 1)
+    return [powers[part == each] for each in range(count)]
+
+
+def reshaped(
+    groups: list[Powers],
+    frequency: Float[np.ndarray, " ordinates"],
+    variance_there: Float[np.ndarray, " ordinates"],
+) -> tuple[float, float] | None:
+    """Where spectra of parts of a record differ most in shape, and the log of its chance.
+
+    `groups` are powers of tiles of the white record, and the others what it was made white with.
+    """
+    if len(groups) < 2 or min(len(group) for group in groups) < _BANDS:
+        return None
+    edges = np.unique(np.geomspace(1, _TILE // 2, _BANDS + 1).round().astype(int))
+    count, low = np.diff(edges), edges[:-1]
+    banded = [np.add.reduceat(group, edges, axis=1)[:, :-1] / count for group in groups]
+    mean = np.stack([each.mean(axis=0) for each in banded])
+    variance = np.stack([each.var(axis=0, ddof=1) / len(each) for each in banded])
+    # Bands that lines were cut out of are no measure.
+    kept = np.min(mean, axis=0) > _FULL
+    if kept.sum() < 4:
+        return None
+    mean, variance, count, low = mean[:, kept], variance[:, kept], count[kept], low[kept]
+    middle = np.sqrt(low * (low + count - 1)) / _TILE
+    usual = np.average(mean, axis=0, weights=[len(group) for group in groups])
+    # Whitened by their mean, white noise that is added weighs as one over the density there.
+    weight = 1 / np.interp(middle, frequency, variance_there)
+    difference = mean - usual
+    variance = np.maximum(variance, mean**2 / count / np.array([[len(g)] for g in groups]))
+    added = np.sum(difference * weight / variance, axis=1) / np.sum(weight**2 / variance, axis=1)
+    rest = difference - added[:, None] * weight
+    misfit = float(np.sum(rest**2 / variance))
+    freedom = (len(groups) - 1) * (count.size - 1)
+    size = np.sqrt(max(np.mean((rest / mean) ** 2) - np.mean(variance / mean**2), 0.0))
+    log_p = float(chi2.logsf(misfit, freedom))
+    if log_p > np.log(_RESHAPED) or size < _PLAIN:
+        return None
+    return float(middle[int(np.argmax(np.sum(rest**2 / variance, axis=0)))]), log_p
+
+
+def moved_along(powers: Powers, contrast: Float[np.ndarray, " frequencies"]) -> tuple[float, float]:
+    """How much a spectrum moves to and fro along a contrast: twice the gain in log-likelihood.
+
+    In each tile the contrast, freed of what the level does, has a value; over time these are
+    white, unless something goes on that is slow. Returns the strongest cosine's gain, and the log
+    of the chance that one of them gains as much.
+    """
+    contrast = contrast - contrast.mean()
+    values = (powers - powers.mean(axis=0)) @ contrast
+    size = np.mean(values**2)
+    last = len(values) // _SLOWEST_PART
+    if last < 2 or size <= 0:
+        return 0.0, 0.0
+    gains = np.asarray(dct(values, norm="ortho"))[1:last] ** 2 / size
+    gain = float(gains.max())
+    return gain, float(min(0.0, chi2.logsf(gain, 1) + np.log(gains.size)))
+
+
+def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None:
+    """Period [samples] and log chance of noise whose strength swings, too fast for `_spread`.
+
+    The squares of a white record are white; a periodic strength is a line among them.
+    """
+    squares = white**2 - np.mean(white**2)
+    power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
+    usable = np.zeros(power.size, bool)
+    usable[_FEWEST_SWINGS : power.size * 2 // _FEWEST_SAMPLES] = True
+    if usable.sum() < _TILE:
+        return None
+    # A strong resonance makes the squares uneven: each stretch of them by its own median.
+    block = _TILE
+    starts = np.arange(0, power.size, block)
+    own = np.array([np.median(power[a : a + block]) for a in starts]) / np.log(2)
+    power = power / np.maximum(np.repeat(own, block)[: power.size], 1.0)
+    at = int(np.argmax(np.where(usable, power, 0.0)))
+    log_p = float(min(0.0, np.log(usable.sum()) - power[at]))
+    return white.size / at, log_p

@@ -1,0 +1,43 @@
+"""Spectra and strengths of noise that change in the course of a record."""
+
+import numpy as np
+from scipy.stats import binom
+
+from allanfit.explain._changing import moved_along, reshaped, swinging
+
+
+def test_a_steady_line_and_steady_noise_are_no_swing():
+    """Of 100 records a tenth at .1 or fewer; false alarm 2e-3."""
+    rng = np.random.default_rng(1)
+    chances = np.exp([swinging(rng.standard_normal(8192))[1] for _ in range(100)])
+    assert binom.sf(np.sum(chances < 0.1) - 1, 100, 0.1) > 2e-3
+
+
+def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
+    rng = np.random.default_rng(5)
+    flat = np.linspace(0.0, 0.5, 100), np.ones(100)
+    first, second = rng.exponential(size=(2, 60, 129))
+    assert reshaped([first, second], *flat) is None
+    assert reshaped([first, 3 * second], *flat) is None
+    tilted = second * np.linspace(0.7, 1.3, 129)
+    found = reshaped([first, tilted], *flat)
+    assert found is not None
+    assert found[1] < np.log(1e-6)
+
+
+def test_a_contrast_that_stays_is_silent_and_one_that_moves_is_seen():
+    """Of 200 steady records a tenth at .1 or fewer; false alarm 2e-3. Then a tilt to and fro."""
+    rng = np.random.default_rng(6)
+    contrast = np.linspace(-1.0, 1.0, 127)
+    steady = [moved_along(rng.exponential(size=(400, 127)), contrast)[1] for _ in range(200)]
+    assert binom.sf(np.sum(np.exp(steady) < 0.1) - 1, 200, 0.1) > 2e-3
+    powers = rng.exponential(size=(400, 127))
+    # Louder and softer is no matter.
+    level = 1 + 0.5 * np.sin(2 * np.pi * np.arange(400) / 100)[:, None]
+    assert moved_along(level * powers, contrast)[1] > np.log(1e-3)
+    turning = np.where(np.arange(400) // 50 % 2, 1.0, -1.0)[:, None]
+    gain, log_p = moved_along(powers * (1 + 0.1 * turning * contrast), contrast)
+    # The fundamental of a square wave holds 8/pi^2 of n a^2 sum of squares of the contrast.
+    expected = 8 / np.pi**2 * 400 * 0.01 * np.sum(contrast**2)
+    assert abs(gain - expected) < 5 * 2 * np.sqrt(expected)
+    assert log_p < np.log(1e-4)
