@@ -19,7 +19,8 @@ _FULL = 0.5
 # Changes slower than a quarter of the highest frequency of tiles are looked for.
 _SLOWEST_PART = 8
 
-Powers = Float[np.ndarray, "tiles frequencies"]
+# Parts of a record differ in their number of tiles.
+Powers = Float[np.ndarray, "_ frequencies"]
 
 
 def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
