@@ -9,11 +9,12 @@ from jaxtyping import Float
 from scipy.stats import f as fisher
 
 from ..coefficient_units import UNITS
-from ..coefficients import read_coefficients
+from ..coefficients import Coefficients, read_coefficients
 from ..curves import unit_scale
 from ..identify import Fit, fit_series
 from ..physics import SYMBOLS, Sampling
-from ..recording import Recording, RecordingError, is_recording, load
+from ..recording import Channel, Recording, RecordingError, is_recording, load
+from ..recording._units import parse_unit
 
 _SIGNIFICANT = 0.005
 # Compared in bands of about an octave.
@@ -26,6 +27,9 @@ class Reference:
 
     #: Coefficients Q, N, B, K of the simulation in SI.
     coefficients: Float[np.ndarray, " terms"]
+    #: Its unit as given, and what that measures: `gyro`, `accelerometer` or `other`.
+    unit: str
+    kind: str
     #: Frequencies [Hz], densities [u^2/Hz] and ordinates of a simulated recording; None for
     #: coefficients, whose density is exact.
     frequency: Float[np.ndarray, " bins"] | None = None
@@ -38,20 +42,35 @@ def references(
 ) -> dict[str, Reference]:
     """What each channel is compared with, by its name or kind; the only one serves all.
 
-    **Raises:** `ValueError` when no channel of the simulation goes with one of the recording.
+    A simulation without a unit is taken to be in the recording's.
+
+    **Raises:** `ValueError` when no channel of the simulation goes with one of the recording, or
+    one measures something else.
     """
     if simulation is None:
         return {}
     if isinstance(simulation, (str, Path)) and not is_recording(Path(simulation)):
-        found = {
-            entry.channel: Reference(_of_entry(entry)) for entry in read_coefficients(simulation)
-        }
+        own = recording.channels[0].unit
+        found = {entry.channel: _of_entry(entry, own) for entry in read_coefficients(simulation)}
     else:
         drawn = simulation if isinstance(simulation, Recording) else _loaded(simulation, recording)
         found = {
-            channel.name: _of_series(channel.samples, channel.stretches, drawn.rate_hz, sampling)
+            channel.name: _of_channel(channel, drawn.rate_hz, sampling)
             for channel in drawn.channels
         }
+    chosen = _chosen(found, recording)
+    for channel in recording.channels:
+        other = chosen.get(channel.name)
+        if other is not None and {other.kind, channel.kind} == {"gyro", "accelerometer"}:
+            raise ValueError(
+                f"The simulation of {channel.name} is in {other.unit}, the recording in "
+                f"{channel.unit}: they do not measure the same; compare like with like, or "
+                "correct the unit of one."
+            )
+    return chosen
+
+
+def _chosen(found: dict[str, Reference], recording: Recording) -> dict[str, Reference]:
     names = [channel.name for channel in recording.channels]
     if len(found) == 1 and not found.keys() & UNITS.keys():
         return dict.fromkeys(names, next(iter(found.values())))
@@ -71,26 +90,30 @@ def references(
 
 
 def _loaded(path: Path | str, recording: Recording) -> Recording:
-    unit = recording.channels[0].unit
+    unit = recording.channels[0].unit or None
+    # A simulator's file may leave out what the recording's user gave on the command line.
     try:
-        return load(path)
+        found = load(path)
     except RecordingError:
-        # A simulator's file may leave out what the recording's user gave on the command line.
-        return load(path, rate_hz=recording.rate_hz, unit=unit or None)
+        return load(path, rate_hz=recording.rate_hz, unit=unit)
+    if unit and not any(channel.unit for channel in found.channels):
+        return load(path, unit=unit)
+    return found
 
 
-def _of_entry(entry: Any) -> Float[np.ndarray, " terms"]:
-    from ..recording._units import parse_unit
+def _of_entry(entry: Coefficients, own_unit: str) -> Reference:
+    unit = parse_unit(entry.unit or own_unit)
+    values = [float(entry.values.get(symbol, 0.0)) * unit.factor for symbol in SYMBOLS[:4]]
+    return Reference(np.array(values), unit.name, unit.kind)
 
-    factor = parse_unit(entry.unit).factor if entry.unit else 1.0
-    return np.array([float(entry.values.get(symbol, 0.0)) * factor for symbol in SYMBOLS[:4]])
 
-
-def _of_series(samples, stretches, rate_hz: float, sampling: Sampling) -> Reference:
-    fit = fit_series(samples, rate_hz, sampling=sampling, stretches=stretches)
+def _of_channel(channel: Channel, rate_hz: float, sampling: Sampling) -> Reference:
+    fit = fit_series(channel.samples, rate_hz, sampling=sampling, stretches=channel.stretches)
     values = np.array([float(fit.coefficients[symbol]) for symbol in SYMBOLS[:4]])
     return Reference(
         values,
+        channel.unit,
+        channel.kind,
         np.asarray(fit.design.frequency) * rate_hz,
         np.asarray(fit.estimate.statistics.density) / rate_hz,
         np.asarray(fit.design.ordinates),
@@ -110,26 +133,23 @@ def compared(fit: Fit, reference: Reference, found: list[dict[str, Any]]) -> lis
     scale = np.asarray(unit_scale(dt), float)[:4]
     unit = np.asarray(fit.design.density) * dt
     own = np.array([float(fit.coefficients[symbol]) for symbol in SYMBOLS[:4]]) / scale
-    if reference.density is None or reference.frequency is None or reference.ordinates is None:
-        expected = unit @ (reference.coefficients / scale) ** 2
-        freedom = np.full(frequency.size, 1e9)
-    else:
-        expected = np.exp(
-            np.interp(np.log(frequency), np.log(reference.frequency), np.log(reference.density))
-        )
-        freedom = np.interp(frequency, reference.frequency, reference.ordinates)
     model = unit @ own**2
     bands = range(0, frequency.size, _BINS_A_BAND)
     entries = []
     for begin in bands:
         part = slice(begin, begin + _BINS_A_BAND)
-        weight, other = ordinates[part], freedom[part]
-        ratio = float(np.sum(weight * density[part] / expected[part]) / weight.sum())
-        chance = _two_sided(ratio, weight.sum(), other.sum(), len(bands))
+        end = frequency[begin + _BINS_A_BAND] if begin + _BINS_A_BAND < frequency.size else np.inf
+        weight = ordinates[part]
+        simulated, others = _simulated(reference, frequency, model, unit / scale**2, part, end)
+        if others == 0:
+            continue
+        # Sums over a band, not ratios of single bins: those of few ordinates have no mean.
+        seen = float(np.sum(weight * density[part] / model[part]) / weight.sum())
+        ratio = seen / simulated
+        chance = _two_sided(ratio, weight.sum(), others, len(bands))
         if chance > _SIGNIFICANT:
             continue
-        left = float(np.sum(weight * density[part] / model[part]) / weight.sum())
-        physics = _two_sided(left, weight.sum(), 1e9, len(bands)) < _SIGNIFICANT
+        physics = _two_sided(seen, weight.sum(), 1e9, len(bands)) < _SIGNIFICANT
         terms = unit[part] @ np.diag(np.maximum(own, reference.coefficients / scale) ** 2)
         dominant = SYMBOLS[int(np.argmax(terms.sum(axis=0)))]
         low, high = float(frequency[part][0]), float(frequency[part][-1])
@@ -163,6 +183,25 @@ def compared(fit: Fit, reference: Reference, found: list[dict[str, Any]]) -> lis
         )
     ]
     return sorted(_joined(entries), key=lambda entry: entry["p_value"])
+
+
+def _simulated(
+    reference: Reference,
+    frequency: Float[np.ndarray, " bins"],
+    model: Float[np.ndarray, " bins"],
+    unit: Float[np.ndarray, "bins terms"],
+    part: slice,
+    end: float,
+) -> tuple[float, float]:
+    """Mean density of the simulation over the recording's model in a band, and its ordinates."""
+    if reference.density is None or reference.frequency is None or reference.ordinates is None:
+        return float(np.mean((unit @ reference.coefficients**2)[part] / model[part])), 1e9
+    inside = (reference.frequency >= 0.999 * frequency[part][0]) & (reference.frequency < end)
+    weight, at = reference.ordinates[inside], reference.frequency[inside]
+    if not weight.size:
+        return 0.0, 0.0
+    there = np.exp(np.interp(np.log(at), np.log(frequency), np.log(model)))
+    return float(weight @ (reference.density[inside] / there) / weight.sum()), float(weight.sum())
 
 
 def _two_sided(ratio: float, ordinates: float, others: float, tests: int) -> float:
