@@ -162,6 +162,12 @@ def test_no_scheduler_is_one_sentence(recordings, tmp_path, monkeypatch):
         run_fleet(recordings, tmp_path / "fleet", scheduler="tcp://127.0.0.1:9", workers=2)
 
 
+@pytest.mark.parametrize("address", ["nonsense", "", "tcp://two words:1", "tcp://host"])
+def test_what_is_no_address_is_said_at_once(recordings, tmp_path, address):
+    with pytest.raises(FleetError, match="is no address of a scheduler"):
+        run_fleet(recordings, tmp_path / "fleet", scheduler=address)
+
+
 def test_an_array_in_the_folder_of_one_device_is_one_device(tmp_path, scheduler):
     """Replicates in one recording are devices of their own."""
     rng = np.random.default_rng(8)

@@ -13,7 +13,8 @@ from ..coefficients import Coefficients, read_coefficients
 from ..curves import unit_scale
 from ..identify import Fit, fit_series
 from ..physics import SYMBOLS, Sampling
-from ..recording import Channel, Recording, RecordingError, is_recording, load
+from ..recording import Channel, Recording, is_recording, load
+from ..recording._recording import NoRateError
 from ..recording._units import parse_unit
 
 _SIGNIFICANT = 0.005
@@ -92,12 +93,14 @@ def _chosen(found: dict[str, Reference], recording: Recording) -> dict[str, Refe
 def _loaded(path: Path | str, recording: Recording) -> Recording:
     unit = recording.channels[0].unit or None
     # A simulator's file may leave out what the recording's user gave on the command line.
+    rate_hz = None
     try:
         found = load(path)
-    except RecordingError:
-        return load(path, rate_hz=recording.rate_hz, unit=unit)
+    except NoRateError:
+        rate_hz = recording.rate_hz
+        found = load(path, rate_hz=rate_hz)
     if unit and not any(channel.unit for channel in found.channels):
-        return load(path, unit=unit)
+        return load(path, rate_hz=rate_hz, unit=unit)
     return found
 
 

@@ -300,7 +300,8 @@ def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Eff
 
 
 def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    return [Effect("output_rounding", _SURE, {}, {"lsb": np.full(2, state.format.width)})]
+    chance = min(_SURE, state.rate_rounded)
+    return [Effect("output_rounding", chance, {}, {"lsb": np.full(2, state.format.width)})]
 
 
 def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

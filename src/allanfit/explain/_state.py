@@ -24,8 +24,8 @@ from ._whiten import level, whitened
 
 # Beside this part of the noise a code's width says nothing.
 _FINE = 0.05
-# So many logs of rates for one of differences of an angle.
-_RATES = 10.0
+# So many logs of rates for one of differences of an angle, among those with coarse codes.
+_RATES = 3.0
 
 
 @dataclass
@@ -71,6 +71,8 @@ class Investigation:
     #: Variance of white noise that does not belong to N: of spikes and loud times, and of codes.
     foreign: float = 0.0
     rounding: float = 0.0
+    #: The probability that codes are those of the rate, and not of an angle.
+    rate_rounded: float = 1.0
     witnesses: list[dict[str, Any]] = field(default_factory=list)
     #: What findings gain on samples that they were not found in, by name of the effect.
     gains: dict[str, Gain] = field(default_factory=dict)
@@ -178,23 +180,25 @@ def about_format(state: Investigation) -> None:
 
 def about_angle(state: Investigation) -> None:
     """Codes of an angle are no rounding of the rate: Q says it all."""
-    if state.rounding > 0 and _angle_is_rounded(state):
+    state.rate_rounded = 1.0 if state.rounding == 0 else _rate_is_rounded(state)
+    if state.rate_rounded < 0.5:
         state.rounding = 0.0
         state.findings = [each for each in state.findings if each.name != "output_rounding"]
         state.gains.pop("output_rounding", None)
         refit(state)
 
 
-def _angle_is_rounded(state: Investigation) -> bool:
-    """Whether codes are those of an angle, or a velocity, whose differences are logged.
+def _rate_is_rounded(state: Investigation) -> float:
+    """The probability that codes are of the values logged, and not of what was differenced.
 
-    Then Q is what rounding makes of it, one code over sqrt(12), and there is nothing else to add;
-    rounding of the rate itself leaves Q as it is, mostly zero. The two are compared by their
-    evidence, all values of Q over ten e-folds being alike to the latter, and zero as likely.
+    If an angle, or a velocity, is rounded and its differences are logged, Q is one code over
+    sqrt(12), and there is nothing else to add; rounding of the rate leaves Q as it is, mostly zero.
+    The two are compared by their evidence, all values of Q over ten e-folds being alike to the
+    latter, and zero as likely.
     """
     width, model = state.format.width, state.model
     if width < _FINE * state.format.sigma or state.format.repeat is not None:
-        return False
+        return 1.0
     terms = np.array(state.data.terms)
     terms[0] = False
     bare = _search.best([(model.kinds, model.theta)], state.data._replace(terms=terms))[0]
@@ -204,7 +208,7 @@ def _angle_is_rounded(state: Investigation) -> bool:
     score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
     vague = 0.5 * np.exp(-(bare.deviance - model.deviance) / 2)
     vague += 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
-    return bool(-(score**2) / 2 > np.log(_RATES * vague))
+    return float(_RATES * vague / (_RATES * vague + np.exp(-(score**2) / 2)))
 
 
 def refit(state: Investigation) -> None:

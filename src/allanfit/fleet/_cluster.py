@@ -2,6 +2,8 @@
 
 import logging
 import os
+import re
+import socket
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,6 +15,11 @@ if TYPE_CHECKING:
     import distributed
 
 _PATIENCE_S = 10  # for a scheduler to answer
+_ADDRESS = re.compile(r"(?:\w+://)?\[?(?P<host>[^\s/\[\]]+?)\]?:(?P<port>\d+)")
+_NOBODY = (
+    "No scheduler answers at {}: start one with `dask scheduler` and give the address that it "
+    "prints, such as tcp://10.0.0.5:8786."
+)
 
 
 @contextmanager
@@ -30,6 +37,7 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
     for name in ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     if scheduler is not None:
+        _knock(scheduler)
         with _client(distributed, scheduler) as client:
             yield client
         return
@@ -53,11 +61,24 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
+def _knock(address: str) -> None:
+    """A client that nobody answers stays behind and complains later: whether somebody does."""
+    if address.startswith("inproc://"):
+        return
+    found = _ADDRESS.fullmatch(address)
+    if found is None:
+        raise FleetError(
+            f"{address!r:.60} is no address of a scheduler: give the one that `dask scheduler` "
+            "prints, such as tcp://10.0.0.5:8786."
+        )
+    try:
+        socket.create_connection((found["host"], int(found["port"])), _PATIENCE_S).close()
+    except (OSError, OverflowError) as error:
+        raise FleetError(_NOBODY.format(address)) from error
+
+
 def _client(distributed, where) -> "distributed.Client":
     try:
         return distributed.Client(where, timeout=_PATIENCE_S, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise FleetError(
-            f"No scheduler answers at {where}: start one with `dask scheduler` and give the "
-            "address that it prints, such as tcp://10.0.0.5:8786."
-        ) from error
+        raise FleetError(_NOBODY.format(where)) from error

@@ -11,7 +11,7 @@ import numpy as np
 from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
 from ._mistakes import about_mistakes
-from ._recording import Channel, Progress, Recording, RecordingError, Table
+from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
 from ._units import Unit, parse_unit
@@ -161,7 +161,7 @@ def clock_of(path: Path, table: Table, stamps: str | None, rate_hz: float | None
     """The time axis by a given rate, the column `stamps`, or both."""
     if stamps is None:
         if rate_hz is None:
-            raise RecordingError(
+            raise NoRateError(
                 " ".join(
                     (
                         f"{path.name} tells no sampling rate, neither by rate_hz nor by time "

@@ -11,6 +11,10 @@ class RecordingError(ValueError):
     """A recording cannot be used; the message says why and what to do, in one sentence."""
 
 
+class NoRateError(RecordingError):
+    """Neither the file nor the user tells the rate."""
+
+
 @dataclass(frozen=True)
 class Channel:
     """One sensor axis, in SI units, with what the checks found in it."""
