@@ -6,7 +6,7 @@ own transform goes by complex numbers throughout, which takes twice the memory a
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 
 def dct(x: Float[Array, " samples"]) -> Float[Array, " samples"]:
@@ -24,13 +24,32 @@ def dct(x: Float[Array, " samples"]) -> Float[Array, " samples"]:
 def idct(coefficients: Float[Array, " samples"]) -> Float[Array, " samples"]:
     """The inverse of `dct`."""
     count = coefficients.shape[0]
+    folded = idct_folded(coefficients)
+    x = jnp.zeros(count, folded.dtype)
+    return x.at[::2].set(folded[: (count + 1) // 2]).at[1::2].set(folded[: -(count // 2) - 1 : -1])
+
+
+def idct_folded(coefficients: Float[Array, " samples"]) -> Float[Array, " samples"]:
+    """The inverse of `dct`, in the order of the transform: see `folded_sums`."""
+    count = coefficients.shape[0]
     half = count // 2 + 1
     plain = (coefficients * (count / 2) ** 0.5).at[0].multiply(2**0.5)
     mirrored = jnp.concatenate([jnp.zeros(1, plain.dtype), plain[: count - half : -1]])
     turned = (plain[:half] - 1j * mirrored) * _turn(count, 1, plain.dtype)
-    folded = jnp.fft.irfft(turned, count)
-    x = jnp.zeros(count, folded.dtype)
-    return x.at[::2].set(folded[: (count + 1) // 2]).at[1::2].set(folded[: -(count // 2) - 1 : -1])
+    return jnp.fft.irfft(turned, count)
+
+
+def folded_sums(
+    folded: Float[Array, " samples"], edges: Int[Array, " edges"]
+) -> Float[Array, " pieces"]:
+    """Sums between samples `edges` of what stands in the order of `idct_folded`.
+
+    Samples of even place come first, then those of odd place from the end back, so that a long
+    record need not be put in order for its sums.
+    """
+    total = jnp.pad(jnp.cumsum(folded), (1, 0))
+    before = total[(edges + 1) // 2] + total[-1] - total[folded.shape[0] - edges // 2]
+    return jnp.diff(before)
 
 
 def _turn(count: int, sign: int, dtype) -> Array:

@@ -28,7 +28,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..curves import Design
-from ..curves._cosine import idct
+from ..curves._cosine import folded_sums, idct_folded
 from ._likelihood import Powers, fisher_information
 
 # Orders of the ramp: it fills every other one of them.
@@ -65,7 +65,7 @@ def noise_parts(
     def present(weight: Float[Array, " bins"]) -> Float[Array, " pieces"]:
         first = jnp.sqrt(jnp.abs(weight))[index] * coefficients
         product = _signal(first) * _signal(jnp.sign(weight)[index] * first)
-        return jnp.diff(jnp.pad(jnp.cumsum(product), (1, 0))[edges])
+        return folded_sums(product, edges)
 
     def absent(_: Float[Array, " bins"]) -> Float[Array, " pieces"]:
         return jnp.zeros(len(edges) - 1, coefficients.dtype)
@@ -128,4 +128,4 @@ def ramp_matrix(
 
 
 def _signal(coefficients: Float[Array, " rest"]) -> Float[Array, " samples"]:
-    return idct(jnp.pad(coefficients, (2, 0)))
+    return idct_folded(jnp.pad(coefficients, (2, 0)))
