@@ -28,3 +28,12 @@ def fastest(run: Callable[[], object], times: int) -> float:
         run()
         seconds.append(time.perf_counter() - start)
     return min(seconds)
+
+
+def peak_mib() -> float:
+    """Most memory that this process has held.
+
+    Not `ru_maxrss`, which a process inherits from the one that started it.
+    """
+    with open("/proc/self/status") as status:
+        return int(next(line for line in status if line.startswith("VmHWM")).split()[1]) / 1024

@@ -10,7 +10,6 @@ does is told in standard errors of the variance, found from as many records.
 import argparse
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -24,7 +23,7 @@ import polars as pl
 import allanfit
 from allanfit.curves import LongStatistics, design, statistics
 
-from ._machine import machine
+from ._machine import machine, peak_mib
 
 RESULTS = Path(__file__).parent / "results" / "long.json"
 BLOCK = 1 << 20
@@ -50,7 +49,7 @@ def speed(folder: Path, samples: int) -> dict:
     sizes = allanfit.cluster_sizes(samples)
     # Compiled before the clock runs.
     pass_over(np.asarray(mapped[: 2 * BLOCK]), sizes)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = peak_mib()
     start = time.perf_counter()
     sum(float(mapped[at : at + BLOCK].sum()) for at in range(0, samples, BLOCK))
     read = time.perf_counter() - start
@@ -64,7 +63,7 @@ def speed(folder: Path, samples: int) -> dict:
         "reading_alone_s": read,
         "ns_a_sample": 1e9 * taken / samples,
         # Pages of the mapped file among it.
-        "rise_of_peak_mib": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024,
+        "rise_of_peak_mib": peak_mib() - before,
     }
 
 
@@ -83,13 +82,13 @@ def whole_file(folder: Path, ending: str, samples: int) -> dict:
         ("curves", "curves_of_file(path, **given)"),
     ):
         code = (
-            "import resource, sys, time\n"
+            "import sys, time\n"
+            "from benchmarks._machine import peak_mib\n"
             "from allanfit import curves_of_file\n"
             "from allanfit.recording import read_in_blocks\n"
             "path, given = sys.argv[1], dict(rate_hz=100.0, unit='deg/s')\n"
             f"start = time.perf_counter()\n{work}\n"
-            "print(time.perf_counter() - start,"
-            " resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+            "print(time.perf_counter() - start, peak_mib())"
         )
         told = subprocess.run(
             [sys.executable, "-c", code, str(path)], check=True, capture_output=True, text=True
@@ -192,18 +191,25 @@ def whole_fit(folder: Path, samples: int) -> dict:
     units = {name: "rad/s" if name.startswith("gyro") else "m/s^2" for name in CHANNELS}
     columns = {name: rng.standard_normal(samples).astype(np.float32) for name in CHANNELS}
     np.savez(path, rate_hz=400.0, units=json.dumps(units), **columns)
-    code = "import sys; from allanfit.cli import main; sys.exit(main(sys.argv[1:]))"
+    code = (
+        "import sys\n"
+        "from allanfit.cli import main\n"
+        "from benchmarks._machine import peak_mib\n"
+        "assert main(sys.argv[1:]) == 0\n"
+        "print(peak_mib())"
+    )
     start = time.perf_counter()
-    subprocess.run(
+    told = subprocess.run(
         [sys.executable, "-c", code, "fit", str(path), "--no-posterior", "--json", os.devnull],
         check=True,
-        stdout=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
     )
     return {
         "samples": samples,
         "channels": len(CHANNELS),
         "seconds": time.perf_counter() - start,
-        "peak_mib": resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024,
+        "peak_mib": float(told.stdout.split()[-1]),
         "float64_of_the_samples_mib": 8 * samples * len(CHANNELS) / 2**20,
     }
 
