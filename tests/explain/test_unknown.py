@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
@@ -90,3 +91,18 @@ def test_the_gain_of_values_is_there_where_the_cause_is():
     assert of_swing(white, 97.0).nats < 5
     spikes = 8.0 * rng.standard_normal(20_000) * (rng.random(20_000) < 0.003)
     assert of_spikes(white + spikes, 0).nats > 50
+
+
+def test_a_resonance_beside_a_sweep_keeps_its_name(tmp_path, noise):
+    """Each band answers for itself."""
+    rng = np.random.default_rng(12)
+    turn = 2 * np.pi * 15 / RATE
+    ringing = lfilter([1], [1, -2 * 0.98 * np.cos(turn), 0.98**2], rng.standard_normal(SAMPLES))
+    ringing *= 0.01 / np.std(ringing)
+    sweep = 0.015 * np.sin(2 * np.pi * (5 + 0.003 * TIME) * TIME)
+    channel = explained(tmp_path, noise + sweep + ringing)
+    assert channel["verdict"] == "unexplained"
+    assert {effect["name"] for effect in channel["effects"]} == {"bump", "resonance"}
+    assert any("sweeps" in effect["sentence"] for effect in channel["effects"])
+    (resonance,) = (each for each in channel["effects"] if each["name"] == "resonance")
+    assert resonance["parameters"]["frequency"]["value"] == pytest.approx(15, rel=0.02)

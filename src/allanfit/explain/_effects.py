@@ -156,6 +156,8 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             )
         )
     for place, name in enumerate(kinds.added):
+        if place in state.disowned_noises:
+            continue
         begin = kinds.first_slot + EACH * place
         three = draws.theta[:, begin : begin + EACH].T
         first, second = (np.asarray(each) for each in shape_of(name, three, samples))

@@ -79,9 +79,11 @@ class Investigation:
     #: Log of the chance of the strongest evidence within its family of tests.
     nearest: float = 0.0
     unexplained: Candidate | None = None
-    #: What has no name, and the names and lines [cycles per sample] that are not what they seem.
+    #: What has no name, and the names, the model's added noises by their place, and the lines
+    #: [cycles per sample] that are not what they seem.
     unknown: list[Any] = field(default_factory=list)
     disowned: set[str] = field(default_factory=set)
+    disowned_noises: set[int] = field(default_factory=set)
     #: Which of the model's added noises are lines that wander, whatever their shape.
     wandering: set[int] = field(default_factory=set)
     disowned_lines: list[float] = field(default_factory=list)

@@ -54,11 +54,11 @@ class Unknown(NamedTuple):
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
     white = whitened_piece(state, state.longest, model_only=True)
-    broad = _broad(state, white)
-    _swing(state, broad)
     _combs(state)
     _sweeps(state, white)
     _turns(state)
+    broad = _broad(state, white)
+    _swing(state, broad)
     _other_spectrum(state, broad)
     _bump_instead(state)
 
@@ -140,7 +140,7 @@ def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
             # Whatever its shape, a resonance it is not.
             state.wandering |= {each.place for each in group}
         if why:
-            state.disowned |= {each.name for each in group}
+            state.disowned_noises |= {each.place for each in group}
             width = max(main.width / main.middle, 1e-6)
             state.unknown.append(Unknown(main.middle, width, why, period))
 
@@ -158,9 +158,12 @@ def _band_of(state: Investigation, group: list[_Narrow]) -> Band:
 
 def _turns(state: Investigation) -> None:
     """A line that wanders to and fro dwells where it turns, and looks like a sinusoid there."""
-    if "drifting_line" in state.disowned:
-        return
-    wandering = [one for group in _narrow(state) for one in group if one.name == "drifting_line"]
+    wandering = [
+        one
+        for group in _narrow(state)
+        for one in group
+        if one.name == "drifting_line" and one.place not in state.disowned_noises
+    ]
     lines = [course.shape["frequency"] for course in state.lines]
     state.disowned_lines += [
         line
@@ -251,7 +254,7 @@ def _bump_instead(state: Investigation) -> None:
     kinds = state.model.kinds
     if not kinds.names or kinds.shaping == "bump":
         return
-    if state.disowned & set(kinds.names):
+    if state.disowned & set(kinds.names) or state.disowned_noises:
         return
     bare = Model(kinds._replace(shaping=None, added=()), state.model.theta[:4], np.inf)
     bare = _search.best([(bare.kinds, bare.theta)], state.data)[0]
@@ -312,8 +315,8 @@ def _broad(
     spectrum = np.fft.rfft(white)
     frequency = np.fft.rfftfreq(white.size)
     for one in (each for group in _narrow(state) for each in group):
-        # What is broad for its frequency has no band of its own.
-        if one.width < one.middle / 8:
+        # What is broad for its frequency has no band of its own, unless it moves through one.
+        if one.width < one.middle / 8 or one.place in state.disowned_noises:
             spectrum[np.abs(frequency - one.middle) < 4 * one.width] = 0.0
     for peak in state.peaks:
         spectrum[np.abs(frequency - peak.frequency) < 4 * peak.half_width] = 0.0
