@@ -62,6 +62,9 @@ def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
     for place, name in enumerate(state.model.kinds.added):
         if place in state.wandering:
             name = "drifting_line"
+        elif place in state.disowned_noises:
+            # It describes what has no name.
+            name = "bump"
         shown = next(
             (
                 e.name
