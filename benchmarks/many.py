@@ -12,7 +12,6 @@ samples and 3.5 s for its intervals on two cores: measured elsewhere, once, and 
 
 import argparse
 import json
-import resource
 import tempfile
 import time
 from collections.abc import Callable
@@ -23,7 +22,7 @@ import numpy as np
 
 import allanfit
 
-from ._machine import machine
+from ._machine import machine, peak_mib
 
 RESULTS = Path(__file__).parent / "results" / "many.json"
 GMWM_SECONDS = 4.1
@@ -36,11 +35,6 @@ def cost(run: Callable[[], object]) -> dict[str, float]:
     clock, processor = time.perf_counter(), time.process_time()
     jax.block_until_ready(run())
     return {"s": time.perf_counter() - clock, "processor_s": time.process_time() - processor}
-
-
-def peak_bytes() -> int:
-    """Most memory that the process has held so far, pages of the mapped file included."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 def write_recordings(path: Path, sensors: int, samples: int) -> np.memmap:
@@ -74,7 +68,7 @@ def measure(sensors: int, samples: int) -> dict:
         small = allanfit.fit_many(data[:GROUP], RATE_HZ)
         jax.block_until_ready((allan(data[:GROUP]), density(data[:GROUP])))
         jax.block_until_ready((small.coefficients, small.intervals))
-        before = peak_bytes()
+        before = round(peak_mib() * 2**20)
         parts = {
             "allan_variance": cost(lambda: by_group(allan)),
             "psd": cost(lambda: by_group(density)),
@@ -83,7 +77,7 @@ def measure(sensors: int, samples: int) -> dict:
         parts["fit_many"] = cost(
             lambda: fits.append(allanfit.fit_many(data, RATE_HZ)) or fits[0].estimate
         )
-        grown = peak_bytes() - before
+        grown = round(peak_mib() * 2**20) - before
         parts["intervals"] = cost(lambda: (fits[0].coefficients, fits[0].intervals))
         leaves = jax.tree.leaves(fits[0].estimate)
         converged = int(np.sum(np.asarray(fits[0].converged)))
@@ -104,7 +98,7 @@ def measure(sensors: int, samples: int) -> dict:
         "data_bytes": sensors * samples * 8,
         "result_bytes": sum(leaf.nbytes for leaf in leaves),
         "peak_bytes_above_warm": grown,
-        "peak_bytes": peak_bytes(),
+        "peak_bytes": round(peak_mib() * 2**20),
     }
 
 

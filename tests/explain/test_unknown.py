@@ -64,7 +64,7 @@ def test_weak_bursts_have_a_period_and_steady_noise_has_none():
         on = time % 1500 < 214
         white = rng.standard_normal(count) + amplitude * on * np.sin(0.2 * np.pi * time)
         # Its share of the power where it is.
-        share = (amplitude**2 / 2 / 7) / (2 * (high - low)) / 1.0
+        share = (amplitude**2 / 2 / 7) / (2 * (high - low))
         band = Band(low, high, at, np.full(at.size, share / (1 + share)))
         assert _pulse(white, band) == pytest.approx(expected, rel=0.01)
 

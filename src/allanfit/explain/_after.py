@@ -14,8 +14,8 @@ from ..curves._spectrum import ramp_coefficients
 from ..identify import Fit
 from ..identify._ramp import RampData, draw_ramps
 from ..recording._checks import usable
-from . import _search
 from ._posterior import Draws
+from ._search import rise_without
 from ._state import Investigation
 
 
@@ -28,7 +28,9 @@ def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
     power = draws.power.copy()
     _unclip(state, power, best)
     ramps, chance = _ramps(state, draws, seed)
-    rises = np.array([_rise(state, k) if terms[k] else 0.0 for k in range(4)])
+    rises = np.array(
+        [rise_without(k, state.model, state.data) if terms[k] else 0.0 for k in range(4)]
+    )
     dtype = fit.estimate.draws.dtype
     joined = np.concatenate([np.sqrt(power), ramps[:, None]], axis=1) * scale
     least = np.append(np.sqrt(best), np.median(ramps)) * scale
@@ -41,16 +43,6 @@ def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
         ),
         fit,
         tuple(jnp.asarray(each, dtype) for each in (joined, least, rises, chance)),
-    )
-
-
-def _rise(state: Investigation, k: int) -> float:
-    """What it costs to leave one of Q, N, B, K out, the effects fitted again."""
-    terms = np.array(state.data.terms)
-    terms[k] = False
-    data = state.data._replace(terms=terms)
-    return _search.best([(state.model.kinds, state.model.theta)], data)[0].deviance - (
-        state.model.deviance
     )
 
 

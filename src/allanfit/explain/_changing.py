@@ -10,14 +10,14 @@ _FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
 _TILE = 256
 _BANDS = 12
 # A spectrum is watched in so many parts of the record.
-MOST_PARTS = 24
+_MOST_PARTS = 24
 # A changing spectrum must be as unlikely under a change of white noise.
 _RESHAPED = 1e-6
 # And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
 _PLAIN = 0.1
 _FULL = 0.5
-# Changes slower than a quarter of the highest frequency of tiles are looked for.
-_SLOWEST_PART = 8
+# Of the cosines over all tiles the slowest are looked at: one in so many.
+_SLOWEST = 8
 
 # Parts of a record differ in their number of tiles.
 Powers = Float[np.ndarray, "_ frequencies"]
@@ -25,19 +25,22 @@ Powers = Float[np.ndarray, "_ frequencies"]
 
 def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
     """Powers of short pieces of a white record, from zero to the Nyquist frequency: ones."""
-    count = white.size // _TILE
-    return np.abs(np.fft.rfft(white[: count * _TILE].reshape(count, _TILE))) ** 2 / _TILE
+    return np.abs(np.fft.rfft(_tiled(white))) ** 2 / _TILE
 
 
 def shares(flags: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
     """How much of each tile is flagged."""
-    count = flags.size // _TILE
-    return flags[: count * _TILE].reshape(count, _TILE).mean(axis=1)
+    return _tiled(flags).mean(axis=1)
+
+
+def _tiled(values: np.ndarray) -> np.ndarray:
+    count = values.size // _TILE
+    return values[: count * _TILE].reshape(count, _TILE)
 
 
 def parts(powers: Powers) -> list[Powers]:
     """Tiles in equal parts of the record, each of enough for its spectrum."""
-    count = min(MOST_PARTS, len(powers) // _BANDS)
+    count = min(_MOST_PARTS, len(powers) // _BANDS)
     part = np.arange(len(powers)) * count // max(len(powers), 1)
     return [powers[part == each] for each in range(count)]
 
@@ -90,7 +93,7 @@ def moved_along(powers: Powers, contrast: Float[np.ndarray, " frequencies"]) -> 
     contrast = contrast - contrast.mean()
     values = (powers - powers.mean(axis=0)) @ contrast
     size = np.mean(values**2)
-    last = len(values) // _SLOWEST_PART
+    last = len(values) // _SLOWEST
     if last < 2 or size <= 0:
         return 0.0, 0.0
     gains = np.asarray(dct(values, norm="ortho"))[1:last] ** 2 / size

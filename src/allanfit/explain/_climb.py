@@ -36,13 +36,13 @@ def climb(
     starts: Starts, kinds: Kinds, data: Data, least_gain: float = LEAST_GAIN
 ) -> tuple[Starts, Float[np.ndarray, " starts"]]:
     """Where each start leads, until a step gains less in deviance, and the deviance there."""
-    moving = active(kinds, data.terms)
+    moving, held = active(kinds, data.terms), held_columns(data)
 
     def mean(theta):
-        return _mean(theta, kinds, data, slopes=False)[0]
+        return _mean(theta, kinds, data, held, slopes=False)[0]
 
     def slopes(theta):
-        return _mean(theta, kinds, data, slopes=True)
+        return _mean(theta, kinds, data, held, slopes=True)
 
     return _ascend(np.array(starts), moving, mean, slopes, data, least_gain)
 
@@ -55,7 +55,7 @@ def rescale(
         [np.arange(TERMS), kinds.first_slot + EACH * np.arange(len(kinds.added))]
     )
     moving = active(kinds, data.terms)[sizes]
-    columns, bump, added = parts(theta[None], kinds, data)
+    columns, bump, added = parts(theta[None], kinds, data, held_columns(data))
     rows = [columns[0].T]
     rows += [
         (density[0] * bump[0] / np.exp(max(theta[place], FLOOR)))[None]
@@ -81,16 +81,25 @@ def expected_density(
     theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
 ) -> Float[np.ndarray, " bins"]:
     """The expected density of each bin [u^2]."""
-    return _mean(theta[None], kinds, data, slopes=False)[0][0]
+    return _mean(theta[None], kinds, data, held_columns(data), slopes=False)[0][0]
 
 
 def log_slopes(
     theta: Starts, kinds: Kinds, data: Data
 ) -> Float[np.ndarray, "starts bins parameters"]:
     """Derivatives of the log of the expected density."""
-    found = _mean(theta, kinds, data, slopes=True)[1]
+    found = _mean(theta, kinds, data, held_columns(data), slopes=True)[1]
     assert found is not None
     return np.where(active(kinds, data.terms) & np.isfinite(found), found, 0.0)
+
+
+def log_scatter(
+    theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
+) -> tuple[Float[np.ndarray, "bins parameters"], Float[np.ndarray, "parameters parameters"]]:
+    """`log_slopes` at one place, and the covariance of the parameters by their information."""
+    slopes = log_slopes(theta[None], kinds, data)[0]
+    information = (slopes * np.asarray(data.bins.shape)[:, None]).T @ slopes
+    return slopes, np.linalg.pinv(information, hermitian=True)
 
 
 def filter_slopes(
@@ -102,12 +111,15 @@ def filter_slopes(
     return np.asarray(gain)[0], np.asarray(slopes)[0]
 
 
-def parts(theta: Starts, kinds: Kinds, data: Data):
-    """Columns of the terms, the bump, and what each added noise puts into each bin."""
+def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins terms"]):
+    """Columns of the terms, the bump, and what each added noise puts into each bin.
+
+    `held` are the `held_columns` of the data, which no parameter changes.
+    """
     folded, passed, bump = _shape(theta, kinds, data)
     angle = folded if kinds.angle_filtered else np.ones_like(folded)
     gain = np.stack([angle, folded, passed, passed], axis=2)
-    columns = held_columns(data) * gain * bump[..., None]
+    columns = held * gain * bump[..., None]
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     added = [
         np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples))
@@ -126,9 +138,9 @@ def _shape(theta: Starts, kinds: Kinds, data: Data):
     return tuple(np.asarray(each) for each in found)
 
 
-def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
+def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
     """The expected density for each start, shape (starts, bins), and d ln of it/d theta."""
-    columns, bump, added = parts(theta, kinds, data)
+    columns, bump, added = parts(theta, kinds, data, held)
     terms = np.asarray(data.terms)
     power = np.where(terms, np.exp(np.clip(theta[:, :TERMS], FLOOR, 60)), 0.0)
     noise = columns * power[:, None]
@@ -141,12 +153,12 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
         three = theta[:, TERMS : TERMS + EACH]
         found = _gain_slopes(kinds.shaping, three, data.bins.nodes, data.samples)
         folded, passed, bumped = (np.asarray(each) for each in found)
-        held = held_columns(data) * power[:, None]
-        white = held[..., 1]
+        strong = held * power[:, None]
+        white = strong[..., 1]
         if kinds.angle_filtered:
-            white = white + held[..., 0]
+            white = white + strong[..., 0]
         slope = folded * (white * bump)[..., None]
-        slope = slope + passed * ((held[..., 2] + held[..., 3]) * bump)[..., None]
+        slope = slope + passed * ((strong[..., 2] + strong[..., 3]) * bump)[..., None]
         blocks.append(slope + bumped * (total / bump)[..., None])
     slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
     for i, name in enumerate(kinds.added):

@@ -120,16 +120,12 @@ def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str,
     return own, {rival: share for rival, share in shares.items() if share > 0.005}
 
 
-def _finding(state: Investigation, name: str) -> Finding | None:
-    return next((each for each in state.findings if each.name == name), None)
-
-
 def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> list[Effect]:
     kinds, samples = state.model.kinds, state.data.samples
     found = []
     if draws.filtering is not None:
         cutoff, order = draws.filtering.T
-        own, others = _probabilities(_finding(state, "low_pass"), "low_pass")
+        own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
             Effect(
                 "low_pass",
@@ -162,19 +158,13 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         three = draws.theta[:, begin : begin + EACH].T
         first, second = (np.asarray(each) for each in shape_of(name, three, samples))
         size = np.exp(three[0] / 2)
-        own, others = _probabilities(_finding(state, name), name)
+        own, others = _probabilities(state.finding(name), name)
+        disguised = name == "resonance" and place in state.wandering
         if name == "gauss_markov":
             found += _gauss_markov(state, begin, size, first, own, others, dt, seed)
-        elif name == "resonance" and place in state.wandering:
-            others.pop("drifting_line", None)
-            values = {"amplitude": 2**0.5 * size, "frequency": first / dt}
-            values["width"] = first / second / 2 / dt
-            middle, width = (float(np.median(values[key])) for key in ("frequency", "width"))
-            band = (middle - 2 * width, middle + 2 * width)
-            found.append(Effect("drifting_line", own, others, values, {}, band))
-        elif name in NARROW and float(np.median(first)) / dt * _ROOM_PERIOD_S < 1:
+        elif name in NARROW and not disguised and float(np.median(first)) / dt * _ROOM_PERIOD_S < 1:
             found.append(_slow_swing(name, own, others, first / dt))
-        elif name == "resonance":
+        elif name == "resonance" and not disguised:
             middle, half = float(np.median(first)) / dt, float(np.median(first / second)) / 2 / dt
             values = {"sigma": size, "frequency": first / dt, "quality_factor": second}
             band = (max(middle - 2 * half, 0.0), middle + 2 * half)
@@ -185,10 +175,14 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 Effect(name, own, others, {"exponent": first, "density": density}, {}, None)
             )
         else:
+            if disguised:
+                # As wide as the resonance, and of its power.
+                size, second = 2**0.5 * size, 1 / (2 * second)
+                others.pop("drifting_line", None)
             middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt
             values = {"amplitude": size, "frequency": first / dt, "width": first * second / dt}
             band = (middle - 2 * width, middle + 2 * width)
-            found.append(Effect(name, own, others, values, {}, band))
+            found.append(Effect("drifting_line", own, others, values, {}, band))
     return found
 
 
@@ -243,7 +237,7 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
         sizes = rng.multivariate_normal(
             state.sized.sizes[part], state.sized.covariance[part, part], 2000, method="svd"
         )
-        own, others = _probabilities(_finding(state, course.name), course.name)
+        own, others = _probabilities(state.finding(course.name), course.name)
         if course.name == "step":
             steps.append((course.shape["time"] * dt, sizes[:, 0], own, others))
         elif course.name == "warm_up":

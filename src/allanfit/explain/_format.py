@@ -63,14 +63,14 @@ def _repeat(
         return None
     edges = np.flatnonzero(np.concatenate([[True], np.diff(used) != 0]))
     lengths = np.diff(edges)
-    # Neighbours that rounding alone makes equal are no repeats.
-    mean = 1 / (1 - (found.share - found.by_chance))
-    # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
-    variance = (found.share * (1 - found.share) + found.by_chance) / used.size
     usual = round(float(np.median(lengths)))
     regular = bool(usual > 1 and np.mean(lengths == usual) > 0.95)
     chance = max(found.most_by_chance, 1e-9)
     log_p = float(binom.logsf(int(found.share * used.size) - 1, used.size, chance))
     if regular:
         return Repeat(float(usual), True, 0.0, log_p)
+    # Neighbours that rounding alone makes equal are no repeats.
+    mean = 1 / (1 - (found.share - found.by_chance))
+    # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
+    variance = (found.share * (1 - found.share) + found.by_chance) / used.size
     return Repeat(mean, False, mean**2 * variance**0.5, log_p)

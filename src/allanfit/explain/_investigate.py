@@ -19,7 +19,9 @@ from ._state import (
     about_angle,
     about_format,
     begin,
+    drop_courses,
     evidence,
+    refit,
     resize,
 )
 from ._unknown import look_again
@@ -27,6 +29,8 @@ from ._unknown import look_again
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008
 _MOST_ROUNDS = 10
+# What changes when a course is taken back.
+_OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 
 
 def investigate(
@@ -65,7 +69,8 @@ def investigate(
     for _ in range(_MOST_ROUNDS):
         if not take_one(state, drivers):
             break
-    about_angle(state)
+    if about_angle(state):
+        refit(state)
     _reconsider(state)
     look_again(state)
     _leftover(state)
@@ -92,19 +97,11 @@ def _reconsider_courses(state: Investigation) -> None:
     for course in [each for each in state.courses if each.name != "sinusoid"]:
         if len(state.courses) == 1:
             return
-        place = next(i for i, each in enumerate(state.courses) if each is course)
-        before = state.courses, state.moved, state.sized, state.model, state.data
-        state.courses = state.courses[:place] + state.courses[place + 1 :]
-        state.moved = state.moved[:place] + state.moved[place + 1 :]
-        resize(state)
-        if evidence(state, course)[1] > np.log(state.alarm):
-            # Courses and their findings were added together, and so are in one order.
-            alike = [each for each in before[0] if each.name == course.name]
-            nth = next(i for i, each in enumerate(alike) if each is course)
-            named = [i for i, each in enumerate(state.findings) if each.name == course.name]
-            del state.findings[named[nth]]
-        else:
-            state.courses, state.moved, state.sized, state.model, state.data = before
+        kept = {name: getattr(state, name) for name in _OF_COURSES}
+        drop_courses(state, [course])
+        if evidence(state, course)[1] <= np.log(state.alarm):
+            for name, value in kept.items():
+                setattr(state, name, value)
 
 
 def _leftover(state: Investigation) -> None:

@@ -15,7 +15,7 @@ from scipy.fft import dct
 from scipy.signal import lfilter
 
 from ._chance import course_log_chance
-from ._climb import log_slopes
+from ._climb import log_scatter
 from ._ordinates import Ordinates, amplitudes, binned
 from ._search import Model, best, mean_density, rescaled
 from ._structure import Data
@@ -130,10 +130,9 @@ def knowledge(
     Of n such ordinates the log of the variance would scatter with 2/n; the fit's own scatter comes
     from its Fisher information.
     """
-    slopes = log_slopes(model.theta[None], model.kinds, data)[0]
-    information = (slopes * np.asarray(data.bins.shape)[:, None]).T @ slopes
+    slopes, covariance = log_scatter(model.theta, model.kinds, data)
     used = data.bins.used
-    scatter = np.einsum("bi,ij,bj->b", slopes, np.linalg.pinv(information, hermitian=True), slopes)
+    scatter = np.einsum("bi,ij,bj->b", slopes, covariance, slopes)
     at = np.interp(np.log(spectrum.frequency), np.log(data.bins.frequency[used]), scatter[used])
     weight = np.sum(moved**2, axis=1) / ordinate_variance(spectrum, model, data)
     return float(2 * weight.sum() / max(weight @ at, 1e-300))

@@ -14,7 +14,18 @@ from jaxtyping import Float
 from ..identify._posterior import _ABSENCE
 from ._climb import log_slopes, parts
 from ._search import Model, best
-from ._structure import EACH, FILTERS, FLOOR, TERMS, Data, active, bounds, free, shape_of
+from ._structure import (
+    EACH,
+    FILTERS,
+    FLOOR,
+    TERMS,
+    Data,
+    active,
+    bounds,
+    free,
+    held_columns,
+    shape_of,
+)
 
 _WALKERS = 32
 _BURN_IN = 500
@@ -95,11 +106,13 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
         return theta
 
+    held = held_columns(data)
+
     def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
         with np.errstate(all="ignore"):
             x = np.clip(x, -300, 300)
             theta = unpacked(x)
-            columns, bump, added = parts(theta, kinds, data)
+            columns, bump, added = parts(theta, kinds, data, held)
             columns = columns[..., terms]
             power = np.exp(theta[:, place[:count]])
             total = np.einsum("sbt,st->sb", columns, power) + float(data.foreign) * bump
@@ -141,7 +154,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
 
 def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
     """Standard deviations of the powers, the effects held; as `identify._posterior.coordinates`."""
-    columns, bump, added = parts(model.theta[None], model.kinds, data)
+    columns, bump, added = parts(model.theta[None], model.kinds, data, held_columns(data))
     power = np.where(np.asarray(data.terms), np.exp(model.theta[:TERMS]), 0.0)
     total = columns[0] @ power + float(data.foreign) * bump[0]
     total = total + sum((each[0] * bump[0] for each in added), np.zeros_like(total))

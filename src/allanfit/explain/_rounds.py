@@ -15,7 +15,7 @@ from ._state import (
     Finding,
     Investigation,
     add_course,
-    drop_lines,
+    drop_courses,
     evidence,
     rebin,
     whitened_piece,
@@ -30,7 +30,7 @@ _LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
 # Options of the scan at full resolution: peaks of few ordinates and of more.
-_NARROWEST = ("line", "band")
+_NARROWEST = _LINE, _BAND = "line", "band"
 # Ordinates to either side that no sinusoid fills.
 _SPREAD = 32
 # Ordinates about a line within which nothing else may be.
@@ -81,7 +81,7 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
     lines = [option for option in alarms if option.name in _NARROWEST]
     others = [option for option in alarms if option not in lines]
     best = max(others, key=lambda option: option.score, default=None)
-    narrow = [option for option in lines if option.name == _NARROWEST[0]]
+    narrow = [option for option in lines if option.name == _LINE]
     if narrow and (best is None or narrow[0].log_p < best.log_p):
         return narrow[0], ()
     if best is not None and best.name == "low_pass":
@@ -130,7 +130,7 @@ def _line_options(state: Investigation) -> list[Option]:
     def take(rivals: dict[str, float]) -> None:
         _take_line(state, peaks, sine, white)
 
-    name = _NARROWEST[0 if _sharp(peak, white.size) else 1]
+    name = _LINE if _sharp(peak, white.size) else _BAND
     # On the scale of the other options' chances, which have an alarm of their own.
     log_p = peak.log_p - np.log(_LINE_ALARM)
     return [Option(name, log_p, sine.gain, sine.gain, take)]
@@ -161,7 +161,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     spread = [abs(other.frequency - peak.frequency) + other.half_width for other in beside]
     spread += [abs(course.shape["frequency"] - peak.frequency) for course in same]
     if same:
-        drop_lines(state, same)
+        drop_courses(state, same)
     state.peaks.append(peak._replace(half_width=max(peak.half_width, *spread, 0.0)))
     # Broad ones at once: they only say where bins must be fine. A strong sinusoid between two
     # ordinates is as broad as some dozen of them, and has its turn.

@@ -28,6 +28,9 @@ _MOST_ADDED = 3
 _ROUGH_GAIN = 0.02
 # Part of the spectrum that a term is given to start with.
 _FAINT = 1e-4
+# Quality and relative width up to which they are usual, and the power with which they become rare.
+_USUAL = {"resonance": 150.0, "drifting_line": 0.01}
+_RARER = 1.5
 
 
 class Model(NamedTuple):
@@ -46,10 +49,6 @@ class Candidate(NamedTuple):
     model: Model
     gain: float
 
-
-# Quality and relative width up to which they are usual, and the power with which they become rare.
-_USUAL = {"resonance": 150.0, "drifting_line": 0.01}
-_RARER = 1.5
 
 Start = tuple[str, Kinds, np.ndarray]
 
@@ -145,11 +144,10 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
         if name not in leading or reached.deviance < leading[name].deviance:
             leading[name] = reached
     # Of many starts one matters, and it goes the rest of its way alone.
-    for name, reached in leading.items():
-        leading[name] = best([(reached.kinds, reached.theta)], data)[0]
+    whole = [best([(rough.kinds, rough.theta)], data)[0] for rough in leading.values()]
     return [
         Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
-        for name, reached in leading.items()
+        for name, reached in zip(leading, whole, strict=True)
     ]
 
 
@@ -239,6 +237,14 @@ def rarity(model: Model, data: Data, place: int = -1) -> float:
     three = model.theta[model.kinds.first_slot :].reshape(-1, EACH)[place]
     breadth = float(shape_of(name, three, data.samples)[1])
     return -2 * _RARER * float(np.logaddexp(0.0, np.log(breadth / _USUAL[name])))
+
+
+def rise_without(term: int, model: Model, data: Data) -> float:
+    """How much the deviance rises without one of Q, N, B, K, all else fitted again."""
+    terms = np.array(data.terms)
+    terms[term] = False
+    less = best([(model.kinds, model.theta)], data._replace(terms=terms))[0]
+    return less.deviance - model.deviance
 
 
 def without(model: Model, name: str) -> Model:

@@ -10,8 +10,9 @@ from jaxtyping import Float
 
 from ..physics import Sampling
 from ..recording._checks import usable
-from . import _climb, _means, _search
+from . import _means, _search
 from ._chance import course_log_chance
+from ._climb import log_scatter
 from ._format import Format, sample_format
 from ._held_out_values import Gain, of_codes, of_rails
 from ._lines import Peak
@@ -84,9 +85,9 @@ class Investigation:
     unknown: list[Any] = field(default_factory=list)
     disowned: set[str] = field(default_factory=set)
     disowned_noises: set[int] = field(default_factory=set)
+    disowned_lines: list[float] = field(default_factory=list)
     #: Which of the model's added noises are lines that wander, whatever their shape.
     wandering: set[int] = field(default_factory=set)
-    disowned_lines: list[float] = field(default_factory=list)
 
     @property
     def left(self) -> Ordinates:
@@ -126,6 +127,10 @@ class Investigation:
     def variance(self) -> Float[np.ndarray, " ordinates"]:
         """What the model expects of each ordinate [u^2]."""
         return _means.ordinate_variance(self.spectrum, self.model, self.data)
+
+    def finding(self, name: str) -> Finding | None:
+        """The first finding of this name."""
+        return next((each for each in self.findings if each.name == name), None)
 
     def name_once(self, finding: Finding) -> None:
         """Add a finding, in place of an older one of its name."""
@@ -180,14 +185,18 @@ def about_format(state: Investigation) -> None:
     refit(state)
 
 
-def about_angle(state: Investigation) -> None:
-    """Codes of an angle are no rounding of the rate: Q says it all."""
+def about_angle(state: Investigation) -> bool:
+    """Codes of an angle are no rounding of the rate, since Q says it all; whether they are such.
+
+    If so the structure has to be fitted again.
+    """
     state.rate_rounded = 1.0 if state.rounding == 0 else _rate_is_rounded(state)
-    if state.rate_rounded < 0.5:
-        state.rounding = 0.0
-        state.findings = [each for each in state.findings if each.name != "output_rounding"]
-        state.gains.pop("output_rounding", None)
-        refit(state)
+    if state.rate_rounded >= 0.5:
+        return False
+    state.rounding = 0.0
+    state.findings = [each for each in state.findings if each.name != "output_rounding"]
+    state.gains.pop("output_rounding", None)
+    return True
 
 
 def _rate_is_rounded(state: Investigation) -> float:
@@ -201,14 +210,10 @@ def _rate_is_rounded(state: Investigation) -> float:
     width, model = state.format.width, state.model
     if width < _FINE * state.format.sigma or state.format.repeat is not None:
         return 1.0
-    terms = np.array(state.data.terms)
-    terms[0] = False
-    bare = _search.best([(model.kinds, model.theta)], state.data._replace(terms=terms))[0]
-    slopes = _climb.log_slopes(model.theta[None], model.kinds, state.data)[0]
-    information = (slopes * np.asarray(state.data.bins.shape)[:, None]).T @ slopes
-    deviation = float(np.sqrt(np.linalg.pinv(information, hermitian=True)[0, 0]))
+    _, covariance = log_scatter(model.theta, model.kinds, state.data)
+    deviation = float(np.sqrt(covariance[0, 0]))
     score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
-    vague = 0.5 * np.exp(-(bare.deviance - model.deviance) / 2)
+    vague = 0.5 * np.exp(-_search.rise_without(0, model, state.data) / 2)
     vague += 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
     return float(_RATES * vague / (_RATES * vague + np.exp(-(score**2) / 2)))
 
@@ -260,12 +265,15 @@ def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     resize(state)
 
 
-def drop_lines(state: Investigation, gone: list[Course]) -> None:
-    """Take back sinusoids that were none."""
-    # Lines and their findings were added together, and so are in one order.
-    named = [finding for finding in state.findings if finding.name == "sinusoid"]
-    pairs = zip(state.lines, named, strict=True)
-    bare = [finding for line, finding in pairs if _is_one_of(line, gone)]
+def drop_courses(state: Investigation, gone: list[Course]) -> None:
+    """Take back courses that were none, with their findings."""
+    bare = []
+    for name in {course.name for course in gone}:
+        alike = [course for course in state.courses if course.name == name]
+        named = [finding for finding in state.findings if finding.name == name]
+        # Added together they are in one order; findings of a record that was cut come before.
+        pairs = zip(reversed(alike), reversed(named), strict=False)
+        bare += [finding for course, finding in pairs if _is_one_of(course, gone)]
     state.findings = [each for each in state.findings if not _is_one_of(each, bare)]
     kept = [not _is_one_of(course, gone) for course in state.courses]
     state.courses = list(compress(state.courses, kept))

@@ -197,10 +197,10 @@ def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
     plain = np.asarray(data.bins.expected)
     if data.repeat == 1:
         return plain
-    white = plain[:, 1] * holding(data)
+    held = holding(data)
     # What is slow is held as well, and white noise is folded on top.
-    slow = plain[:, 2:] * (holding(data) / data.repeat)[:, None]
-    return np.column_stack([plain[:, 1] * _held_angle(data), white, slow])
+    slow = plain[:, 2:] * (held / data.repeat)[:, None]
+    return np.column_stack([plain[:, 1] * _held_angle(data), plain[:, 1] * held, slow])
 
 
 def holding(data: Data) -> Float[np.ndarray, " bins"]:

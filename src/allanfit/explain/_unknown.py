@@ -147,9 +147,10 @@ def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
 
 def _band_of(state: Investigation, group: list[_Narrow]) -> Band:
     """Three widths to either side of a group, and its share of the power there."""
-    low = max(min(each.middle - 3 * each.width for each in group), 1 / float(state.data.samples))
+    samples = float(state.data.samples)
+    low = max(min(each.middle - 3 * each.width for each in group), 1 / samples)
     high = min(max(each.middle + 3 * each.width for each in group), 0.5)
-    at, samples = np.linspace(low, high, _SHARES), float(state.data.samples)
+    at = np.linspace(low, high, _SHARES)
     nodes = np.stack([at] * 3, axis=1)
     own = [np.asarray(added_density(each.name, each.three, nodes, samples)) for each in group]
     total = np.interp(at, state.left.frequency, state.variance)
@@ -190,7 +191,6 @@ def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
     # Short bursts have harmonics, and their fundamental shows to a fraction of an ordinate.
     for count in (1, 2, 4):
         tried = np.arange(_TEETH_SOUGHT * count, high - 1) / count
-        tried = tried[tried * count < high - 1]
         if not tried.size:
             continue
         order = np.round(np.arange(1, count + 1)[:, None] * tried).astype(int)
@@ -235,14 +235,13 @@ def _corner_moves(
     state: Investigation, powers: Float[np.ndarray, "tiles frequencies"]
 ) -> tuple[float, float] | None:
     """Where a filter has its corner, if that moves; and the log of the chance that it seems so."""
-    named = next((each for each in state.findings if each.name == "low_pass"), None)
-    shaping = state.model.kinds.shaping
+    named, shaping = state.finding("low_pass"), state.model.kinds.shaping
     if named is None or shaping is None or named.gain <= 0:
         return None
     frequency = np.arange(1, powers.shape[1] - 1) / (2 * (powers.shape[1] - 1))
     nodes, three = np.stack([frequency] * 3, axis=1), state.model.theta[TERMS : TERMS + EACH]
-    folded = [np.asarray(each) for each in filter_slopes(shaping, three, nodes, state.data.samples)]
-    gain, log_p = moved_along(powers[:, 1:-1], folded[1][:, 1] / folded[0])
+    folded, slopes = filter_slopes(shaping, three, nodes, state.data.samples)
+    gain, log_p = moved_along(powers[:, 1:-1], slopes[:, 1] / folded)
     if log_p > np.log(_CORNER) or gain < _CORNER_SHARE * named.gain:
         return None
     corner, _ = shape_of(shaping, three, float(state.data.samples))
