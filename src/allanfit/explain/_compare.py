@@ -143,7 +143,9 @@ def compared(fit: Fit, reference: Reference, found: list[dict[str, Any]]) -> lis
         part = slice(begin, begin + _BINS_A_BAND)
         end = frequency[begin + _BINS_A_BAND] if begin + _BINS_A_BAND < frequency.size else np.inf
         weight = ordinates[part]
-        simulated, others = _simulated(reference, frequency, model, unit / scale**2, part, end)
+        simulated, others = _simulated(
+            reference, frequency, model, ordinates, unit / scale**2, part, end
+        )
         if others == 0:
             continue
         # Sums over a band, not ratios of single bins: those of few ordinates have no mean.
@@ -192,13 +194,15 @@ def _simulated(
     reference: Reference,
     frequency: Float[np.ndarray, " bins"],
     model: Float[np.ndarray, " bins"],
+    ordinates: Float[np.ndarray, " bins"],
     unit: Float[np.ndarray, "bins terms"],
     part: slice,
     end: float,
 ) -> tuple[float, float]:
     """Mean density of the simulation over the recording's model in a band, and its ordinates."""
     if reference.density is None or reference.frequency is None or reference.ordinates is None:
-        return float(np.mean((unit @ reference.coefficients**2)[part] / model[part])), 1e9
+        exact = (unit @ reference.coefficients**2)[part] / model[part]
+        return float(np.average(exact, weights=ordinates[part])), 1e9
     inside = (reference.frequency >= 0.999 * frequency[part][0]) & (reference.frequency < end)
     weight, at = reference.ordinates[inside], reference.frequency[inside]
     if not weight.size:
