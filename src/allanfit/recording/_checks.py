@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64
+from scipy.stats import nbinom
 
 from ._recording import Channel
 from ._timestamps import SHORTEST_STRETCH
@@ -20,8 +21,11 @@ _LARGEST = 1e100
 _SMALLEST = 1e-100
 # As many values tell how coarse the codes are, and they are quick to sort.
 _ENOUGH = 200_000
-# As many samples on one extreme value are no chance.
-_PILE = 10
+# As many samples on one extreme value may be no chance, if they are as many times those expected,
+# and chance is less than this.
+_PILE, _HIGHER, _NO_CHANCE = 4, 3.0, 1e-4
+# Samples in the bin next to an extreme, at least.
+_IN_BIN = 8
 _WINDOW = 64
 
 
@@ -166,14 +170,26 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     """The extreme values at which samples pile up."""
     # A value that is held counts once, however long it is.
     fresh = _fresh(values)
-    found = []
-    for rail in (fresh.min(), fresh.max()):
-        at_rail = np.count_nonzero(fresh == rail)
-        next_code = np.count_nonzero(np.abs(fresh - rail) < 1.5 * width) - at_rail
-        # The tail of a distribution falls toward its end: next to the extreme there are more.
-        if at_rail > max(_PILE, 3 * next_code):
-            found.append(float(rail))
-    return tuple(found)
+    ends = (fresh.min(), fresh.max())
+    return tuple(float(end) for end in ends if _piled(np.abs(fresh - end) / width))
+
+
+def _piled(codes: Float64[np.ndarray, " fresh"]) -> bool:
+    """Whether more samples stand at an extreme than the tail of their distribution has there.
+
+    `codes` are the distances from it, in codes. A tail falls toward its end, so that a code there
+    has no more than those of the bin next to it on average; and as that bin has few samples, what
+    stands at the extreme by chance is a negative binomial variate.
+    """
+    there = np.count_nonzero(codes < 0.5)
+    tail = codes[codes >= 0.5]
+    if there < _PILE or tail.size < _IN_BIN:
+        return bool(there >= _PILE)
+    width = max(1.0, float(np.ceil(np.partition(tail, _IN_BIN - 1)[_IN_BIN - 1])))
+    near = np.count_nonzero(tail < width + 0.5)
+    # One is always at the extreme.
+    chance = nbinom.sf(there - 2, near, width / (width + 1))
+    return bool(there > _HIGHER * near / width) and bool(chance < _NO_CHANCE)
 
 
 def _about_rails(
