@@ -36,7 +36,7 @@ CONTRACT = {
     "step": ["amplitude", "times"],
     "outliers": ["fraction", "amplitude"],
     "output_rounding": ["lsb"],
-    "sample_hold": ["repeat"],
+    "sample_hold": ["repeat", "regular"],
     "dropped_samples": ["fraction"],
     "saturation": ["limit"],
     "variance_modulation": ["ratio", "intervals"],
@@ -268,8 +268,11 @@ def test_held_values_have_their_autocovariance():
         (2.4, (1 - 1 / 2.4) ** lag),
         (3.0, np.maximum(1 - lag / 3, 0)),
         (1.0, lag == 0),
+        # By a clock of its own, a triangle too.
+        ((2.4, 1.0), np.maximum(1 - lag / 2.4, 0)),
+        ((1.1, 1.0), np.maximum(1 - lag / 1.1, 0)),
     ):
-        hold = made(SampleHold, repeat)
+        hold = made(SampleHold, *np.atleast_1d(repeat))
 
         def wave(frequency, hold=hold):
             gain = np.asarray(hold.gain(jnp.asarray(frequency), DT))

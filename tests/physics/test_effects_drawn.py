@@ -267,6 +267,15 @@ def test_held_samples_repeat():
     assert np.mean(np.diff(held) == 0) == pytest.approx(0.2, abs=4.5 * 0.4 / 1e5**0.5)
 
 
+def test_a_clock_of_its_own_holds_evenly():
+    """At 5 values in 8 samples each is held once or twice, and eight samples bring five."""
+    held = np.asarray(made(SampleHold, 1.6, 1.0).apply(KEY, jnp.arange(8000.0), DT, "point"))
+    changes = np.flatnonzero(np.diff(held))
+    assert set(np.diff(changes)) == {1, 2}
+    assert np.all(changes[5:] - changes[:-5] == 8)
+    assert np.all(held <= np.arange(8000))
+
+
 def test_stronger_noise_in_its_intervals_alone():
     noise = jax.random.normal(KEY, (100_000,))
     slow = 20 * jnp.sin(2 * jnp.pi * 0.01 * DT * jnp.arange(100_000))

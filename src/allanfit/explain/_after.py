@@ -21,8 +21,10 @@ from ._state import Investigation
 
 def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
     """The five-term `fit` with the coefficients of the better model in place of its own."""
-    dt = 1 / float(fit.rate_hz)
-    scale = np.asarray(unit_scale(dt), float)
+    dt = state.stride / float(fit.rate_hz)
+    scale = np.array(unit_scale(dt), float)
+    # N is told for values at the rate of the log, before they are held.
+    scale[1] /= np.sqrt(state.stride)
     terms = np.asarray(state.data.terms)
     best = np.where(terms, np.exp(state.model.theta[:4]), 0.0)
     power = draws.power.copy()

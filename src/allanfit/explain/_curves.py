@@ -7,6 +7,7 @@ import numpy as np
 from ..curves import allan_variance
 from ..identify import Fit
 from ..identify._curves_document import curves_document, listed
+from ._clock import logged_density
 from ._effects import Effect
 from ._search import mean_density
 from ._state import Investigation
@@ -30,7 +31,8 @@ def explained_curves(
     psd_effects = {
         name: listed(each * dt / factor**2) for name, each in zip(names, added, strict=False)
     }
-    variance, parts = _allan_after(np.asarray(allan["tau_s"]) / dt, after, state, course, dt)
+    sizes = np.asarray(allan["tau_s"]) / dt
+    variance, parts = _allan_after(sizes, after, state, course, dt)
     return {
         "allan": {
             "tau_s": allan["tau_s"],
@@ -51,8 +53,8 @@ def explained_curves(
             "band_95": psd["band_95"],
             "effects": psd_effects,
         },
-        "time": _time(state, course, effects, dt, factor),
-        "lines": _lines(state, effects, dt, factor),
+        "time": _time(state, course, effects, state.stride * dt, factor),
+        "lines": _lines(state, effects, state.stride * dt, factor),
     }
 
 
@@ -85,39 +87,51 @@ def _density(fit: Fit, state: Investigation, course, dt: float):
     if state.sized is not None and course is not None:
         moved = spectrum.amplitude - state.sized.left.amplitude
         total = total + moved**2
+    at = spectrum.frequency
+    if state.stride > 1:
+        # Of the log, not of the fresh values.
+        at = np.arange(1, int(at.size * state.stride)) / (2 * at.size * state.stride)
     middle = np.asarray(fit.design.frequency)
     bounds = np.sqrt(middle[1:] * middle[:-1])
-    index = np.searchsorted(bounds, spectrum.frequency)
+    index = np.searchsorted(bounds, at)
     count = np.maximum(np.bincount(index, minlength=middle.size), 1)
     added = np.asarray(effects_density(state.model.theta, state.model.kinds, data))
     used = data.bins.used
     frequency = data.bins.frequency[used]
-    shares = [
-        np.bincount(
-            index, np.interp(spectrum.frequency, frequency, each[used]), minlength=middle.size
-        )
-        / count
-        for each in added
-    ]
-    return np.bincount(index, total, minlength=middle.size) / count, shares
+
+    def mean(frequency, density):
+        """Over each bin, of the density of the log."""
+        found = logged_density(at, state.stride, lambda f: np.interp(f, frequency, density))
+        return np.bincount(index, found, minlength=middle.size) / count
+
+    shares = [mean(frequency, each[used]) for each in added]
+    return mean(spectrum.frequency, total), shares
 
 
 def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
     """Expected Allan variance of the better model: of its density through the Allan filter."""
     data, used = state.data, state.data.bins.used
     frequency = data.bins.frequency[used]
-    grid = np.geomspace(frequency[0] / 30, 0.5, _GRID)
-    mean = mean_density(state.model, data)[used]
-    mean = np.interp(np.log(grid), np.log(frequency), np.log(mean))
-    density = np.exp(mean)
-    # Below the record's lowest frequency flicker and random walk go on as they are.
-    low = grid < frequency[0]
+    first = frequency[0]
+    mean = np.log(mean_density(state.model, data)[used])
     power = np.where(data.terms, np.exp(state.model.theta[:4]), 0.0)
-    walk = power[3] / (2 * np.pi**2 * grid**2)
-    flicker = power[2] / (np.pi * grid)
-    density[low] = np.minimum((walk + flicker)[low] + density[~low][0], density[~low][0] * 1e3)
+
+    def noise(f):
+        f = np.maximum(f, first / 100)
+        density = np.exp(np.interp(np.log(f), np.log(frequency), mean))
+        # Below the record's lowest frequency flicker and random walk go on as they are.
+        slow = power[3] / (2 * np.pi**2 * f**2) + power[2] / (np.pi * f)
+        least = np.exp(mean[0])
+        return np.where(f < first, np.minimum(slow + least, 1e3 * least), density)
+
+    stride = state.stride
+    grid = np.geomspace(first / 30 / stride, 0.5, _GRID)
+    density = logged_density(grid, stride, noise)
     added = np.asarray(effects_density(state.model.theta, state.model.kinds, data))[:, used]
-    parts = [np.interp(grid, frequency, each) for each in added]
+    parts = [
+        logged_density(grid, stride, lambda f, each=each: np.interp(f, frequency, each))
+        for each in added
+    ]
     step = np.gradient(grid)
     sine = np.sin(np.pi * grid) ** 2
     rows = [density, *parts]
@@ -133,10 +147,10 @@ def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
     total = total + (slope * np.asarray(sizes)) ** 2 / 2
     if course is not None:
         start, stop = state.longest
-        whole = np.unique(np.round(sizes).astype(int))
+        whole = np.unique(np.maximum(np.round(sizes / stride), 1).astype(int))
         whole = whole[2 * whole <= stop - start]
         drawn = np.asarray(allan_variance(course[start:stop], rate_hz=1.0, cluster_sizes=whole))
-        total = total + np.interp(sizes, whole, drawn)
+        total = total + np.interp(sizes / stride, whole, drawn)
     return total, found[1:]
 
 

@@ -301,10 +301,12 @@ def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Eff
 
 
 def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    repeat = state.format.repeat
-    assert repeat is not None
+    repeat = finding.detail
     values = repeat.samples + repeat.deviation * rng.standard_normal(2000)
-    return [Effect("sample_hold", _SURE, {}, {"repeat": values})]
+    if state.stride == 1:
+        return [Effect("sample_hold", _SURE, {}, {"repeat": values})]
+    told = {"repeat": values, "regular": np.ones(2)}
+    return [Effect("sample_hold", _SURE, {}, told, note=f"{1 / dt:.5g} Hz")]
 
 
 def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

@@ -66,7 +66,7 @@ class ChannelExplanation:
         channel, fit, factor = self.channel, self.before, self.channel.factor
         plain = coefficients_document(fit, channel)
         shown = [self._effect(effect) for effect in self.effects]
-        found = mismatches(self.state, self.effects, 1 / float(fit.rate_hz))
+        found = mismatches(self.state, self.effects, self.state.stride / float(fit.rate_hz))
         return {
             **channel_header(channel, fit),
             "verdict": self.verdict,
@@ -260,11 +260,11 @@ def _explain_channel(
     if not state.findings and state.unexplained is None:
         return ChannelExplanation(channel, fit, None, state, (), None, None, reference)
     draws = sample_structure(state.model, state.data, seed, quick=not posterior)
-    effects = tuple(effects_of(state, draws, dt, seed))
+    effects = tuple(effects_of(state, draws, state.stride * dt, seed))
     after = fit_after(fit, state, draws, seed)
     moved = state.all_moved
     score = held_out(
-        state.spectrum._replace(top=0.5),
+        state.spectrum,
         moved,
         state.edges,
         state.model,

@@ -17,10 +17,8 @@ _WINDOW = 64
 class Repeat:
     """Samples that repeat the one before."""
 
-    #: Mean samples for each fresh value, and whether every value is held equally long.
+    #: Mean samples for each fresh value, and the standard deviation of that.
     samples: float
-    regular: bool
-    #: Standard deviation of `samples`.
     deviation: float
     log_p: float
 
@@ -61,16 +59,10 @@ def _repeat(
     found = repeated(used, ends, width)
     if not found.beyond:
         return None
-    edges = np.flatnonzero(np.concatenate([[True], np.diff(used) != 0]))
-    lengths = np.diff(edges)
-    usual = round(float(np.median(lengths)))
-    regular = bool(usual > 1 and np.mean(lengths == usual) > 0.95)
     chance = max(found.most_by_chance, 1e-9)
     log_p = float(binom.logsf(int(found.share * used.size) - 1, used.size, chance))
-    if regular:
-        return Repeat(float(usual), True, 0.0, log_p)
     # Neighbours that rounding alone makes equal are no repeats.
     mean = 1 / (1 - (found.share - found.by_chance))
     # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
     variance = (found.share * (1 - found.share) + found.by_chance) / used.size
-    return Repeat(mean, False, mean**2 * variance**0.5, log_p)
+    return Repeat(mean, mean**2 * variance**0.5, log_p)

@@ -8,9 +8,11 @@ taking what is least likely to be chance, until nothing is left that is.
 import numpy as np
 from jaxtyping import Float
 
+from ..curves import unit_scale
 from ..physics import Sampling
 from . import _search
 from ._chance import log_chance
+from ._clock import fresh_values
 from ._lasting import about_spread, loudness, without
 from ._rounds import take_one
 from ._state import (
@@ -49,9 +51,19 @@ def investigate(
     `power` are the squared coefficients of the five-term fit for a sampling interval of one, and
     `drivers` what may move the channel, by the name of the effect, centred; `lost` is the share of
     samples that time stamps say were lost on the way.
+
+    Of a sensor with a clock of its own the fresh values are investigated, a `stride` apart.
     """
+    drivers, stride = dict(drivers or {}), 1.0
+    fresh = fresh_values(values, pieces)
+    if fresh is not None:
+        values, pieces, stride = fresh.values, fresh.pieces, fresh.repeat.samples
+        drivers = {name: column[fresh.at] for name, column in drivers.items()}
+        power = power / np.asarray(unit_scale(stride))[: power.size] ** 2
     state = begin(values, pieces, sampling, power, alarm)
-    drivers = dict(drivers or {})
+    if fresh is not None:
+        state.stride = stride
+        state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
     about_format(state)
     knocked = about_spread(state, seed)
     if knocked:
@@ -59,6 +71,7 @@ def investigate(
         later = begin(values, cut, sampling, power, alarm)
         later.findings, later.knocks = state.findings, state.knocks
         later.witnesses, later.gains = state.witnesses, state.gains
+        later.stride = state.stride
         state = later
         about_format(state)
         about_spread(state, seed)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from . import _search
+from ._clock import logged_density
 from ._effects import Effect
 from ._state import Finding, Investigation
 
@@ -22,7 +23,9 @@ def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> li
     for effect in effects:
         finding = _finding(state, effect.name)
         chance = math.exp(max(finding.log_p, math.log(_CHANCE_FLOOR))) if finding else 0.0
-        if effect.name in _IN_TIME or effect.in_time:
+        if effect.name == "sample_hold" and state.stride > 1:
+            entries.append(_images(state, chance, dt))
+        elif effect.name in _IN_TIME or effect.in_time:
             entries.append(_in_time(state, effect, chance, dt))
         else:
             entries.append(_in_frequency(state, effect, chance, dt))
@@ -58,6 +61,24 @@ def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> 
         "ratio": ratio,
         "p_value": chance,
         "sentence": f"The recording is not the same throughout: it differs {where}.",
+    }
+
+
+def _images(state: Investigation, chance: float, dt: float) -> dict[str, Any]:
+    """Where a log that is faster than the sensor's clock has images of what is below."""
+    low, high = 0.5 / dt, 0.5 * state.stride / dt
+    ratio = float(
+        logged_density(np.linspace(0.5 / state.stride, 0.5), state.stride, np.ones_like).mean()
+    )
+    return {
+        "domain": "frequency",
+        "low": low,
+        "high": high,
+        "unit": "Hz",
+        "ratio": ratio,
+        "p_value": chance,
+        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has images of what is below, "
+        f"{ratio:.2g} times the power that white noise has there.",
     }
 
 

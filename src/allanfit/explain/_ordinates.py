@@ -41,8 +41,6 @@ class Ordinates(NamedTuple):
     #: How many ordinates count as one: more than one where the noise is not as strong at all
     #: times, which makes neighbours alike (mean of sigma^4 over the square of the mean sigma^2).
     dilution: float = 1.0
-    #: Above this frequency ordinates only repeat those below, as samples do that are held.
-    top: float = 0.5
 
     def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":
         """What is left when something with these amplitudes is taken out."""
@@ -140,9 +138,7 @@ def binned(
     fold: int | None = None,
 ) -> Bins:
     """Averages of all ordinates, or of one half of them, between the edges."""
-    kept = spectrum.frequency <= spectrum.top
-    if fold is not None:
-        kept &= spectrum.fold == fold
+    kept = np.ones(spectrum.frequency.size, bool) if fold is None else spectrum.fold == fold
     index = np.clip(np.searchsorted(edges, spectrum.frequency, side="right") - 1, 0, edges.size - 2)
     count = np.bincount(index[kept], minlength=edges.size - 1)
     used = count > 0

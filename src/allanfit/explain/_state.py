@@ -47,6 +47,7 @@ class Finding:
 class Investigation:
     """The state of knowledge of one channel."""
 
+    #: The samples of the log, or where a sensor has a clock of its own, its fresh values.
     values: Float[np.ndarray, " samples"]
     pieces: tuple[tuple[int, int], ...]
     sampling: Sampling
@@ -88,6 +89,8 @@ class Investigation:
     disowned_lines: list[float] = field(default_factory=list)
     #: Which of the model's added noises are lines that wander, whatever their shape.
     wandering: set[int] = field(default_factory=set)
+    #: Samples of the log for each of `values`.
+    stride: float = 1.0
 
     @property
     def left(self) -> Ordinates:
@@ -167,10 +170,9 @@ def about_format(state: Investigation) -> None:
     """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
     made = state.format
     if made.repeat is not None:
-        state.name_once(Finding("sample_hold", max(made.repeat.log_p, -1e4), 0.0))
-        if made.repeat.regular:
-            # Up to the Nyquist frequency of the fresh values; beyond are their images.
-            state.spectrum = state.spectrum._replace(top=0.5 / made.repeat.samples)
+        state.name_once(
+            Finding("sample_hold", max(made.repeat.log_p, -1e4), 0.0, detail=made.repeat)
+        )
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
     if made.coarse:

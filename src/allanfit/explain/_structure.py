@@ -25,7 +25,6 @@ from ..physics import (
     LowPass,
     PowerLaw,
     Resonance,
-    SampleHold,
 )
 from ._ordinates import _NODES, Bins, averaged
 
@@ -85,7 +84,7 @@ class Data(NamedTuple):
     samples: float | Float[Array, ""]
     #: White density that is not N [u^2].
     foreign: float | Float[Array, ""]
-    #: Samples for each fresh value: whole if held equally long, 1 if not held at all.
+    #: Mean samples for each fresh value where they are repeated at random; 1 if they are not.
     repeat: float
     #: Which of Q, N, B, K the structure has.
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
@@ -206,24 +205,17 @@ def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
 def holding(data: Data) -> Float[np.ndarray, " bins"]:
     """What holding samples does to the density of white noise."""
     middle = np.asarray(data.bins.nodes)[:, 1]
-    if data.repeat == 1:
-        return np.ones_like(middle)
-    gain = SampleHold(jnp.asarray(data.repeat)).gain(jnp.asarray(middle), 1.0)
-    # A regular hold has zeros, in which only rounding is left.
-    return np.maximum(np.asarray(gain), 1e-9)
+    p = 1 - 1 / data.repeat
+    return (1 - p**2) / ((1 - p) ** 2 + 4 * p * np.sin(np.pi * middle) ** 2)
 
 
 def _held_angle(data: Data) -> Float[np.ndarray, " bins"]:
     """Quantized angle, held, over white noise of the same power, not held.
 
-    The difference of white noise: held equally long, samples are too far apart to be neighbours,
-    and it is white noise of twice the variance, held. Held with chance p, one is the next fresh
-    value after another only where it comes at once, so that the autocovariance is
-    2 p^m - (1 - p)^2 p^(m-1). Either is far above zero at low frequency, where the difference
-    itself vanishes.
+    The difference of white noise, held with chance p: one is the next fresh value after another
+    only where it comes at once, so that the autocovariance is 2 p^m - (1 - p)^2 p^(m-1). That is
+    far above zero at low frequency, where the difference itself vanishes.
     """
-    if float(data.repeat).is_integer():
-        return 2 * holding(data)
     middle = np.asarray(data.bins.nodes)[:, 1]
     p, turn = 1 - 1 / data.repeat, np.exp(2j * np.pi * middle)
     powers = (p * turn / (1 - p * turn)).real

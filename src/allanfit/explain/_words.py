@@ -68,7 +68,8 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "sample_hold": lambda: (
             f"Each fresh value is repeated, {told('repeat')} samples of it on average: the sensor "
-            "is read faster than it measures. N is that of the fresh values at the rate of the "
+            + (f"measures by a clock of its own, at {effect.note}, and " if effect.note else "")
+            + "is read faster than it measures. N is that of the fresh values at the rate of the "
             "log; a filter that takes all samples meets a larger white noise at low frequency."
         ),
         "saturation": lambda: (

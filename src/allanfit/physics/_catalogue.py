@@ -64,12 +64,14 @@ _RANGES = {
     "density": (0.0, math.inf),
     "fraction": (0.0, 0.99),
     "repeat": (1.0, math.inf),
+    "regular": (0.0, 1.0),
 }
 _RANGE_WORDS = {
     "sigma": "zero or more",
     "density": "zero or more",
     "fraction": "between 0 and 0.99",
     "repeat": "1 or more",
+    "regular": "0 or 1",
 }
 
 

@@ -14,26 +14,35 @@ class SampleHold(AbstractFilter):
     """Each fresh value fills `repeat` samples on average.
 
     A whole `repeat` is taken as periodic. Any other is taken as random: each sample is fresh with
-    probability 1/repeat, and its values have the autocovariance p^k with p = 1 - 1/repeat.
+    probability 1/repeat, and its values have the autocovariance p^k with p = 1 - 1/repeat; unless
+    `regular` is 1 and not 0, where a sensor has a steady clock of its own, and a value is held for
+    the whole number of samples below `repeat` or above it, in a beat of the two clocks.
     """
 
     repeat: Float[Array, ""]
+    regular: Float[Array, ""] | float = 0.0
     name: ClassVar[str] = "sample_hold"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("repeat", ""),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("repeat", ""),
+        Parameter("regular", ""),
+    )
     what: ClassVar[str] = "values that are repeated"
     origin: ClassVar[str] = "a sensor that is read faster than it measures"
 
     def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """sin^2(pi f r dt)/(r sin^2(pi f dt)), or (1 - p^2)/(1 - 2 p cos(2 pi f dt) + p^2).
 
-        Its mean over the band is one: holding changes no variance.
+        Its mean over the band is one: holding changes no variance. In a beat the autocovariance
+        is a triangle as wide as `repeat`, the mean of two such of whole widths.
         """
         cycles = frequency * dt
-        periodic = self.repeat * (jnp.sinc(self.repeat * cycles) / jnp.sinc(cycles)) ** 2
+        below = jnp.floor(self.repeat)
+        above = (self.repeat - below) * (below + 1) / self.repeat
+        periodic = (1 - above) * _whole_hold(below, cycles) + above * _whole_hold(below + 1, cycles)
         held = 1 - 1 / self.repeat
         sine = jnp.sin(jnp.pi * cycles) ** 2
         random = (1 - held) * (1 + held) / ((1 - held) ** 2 + 4 * held * sine)
-        return jnp.where(self._whole(), periodic, random)
+        return jnp.where(self._steady(), periodic, random)
 
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """One: what changes slowly is held without loss."""
@@ -44,10 +53,17 @@ class SampleHold(AbstractFilter):
     ) -> Float[Array, " samples"]:
         """The last fresh sample in place of each."""
         index = jnp.arange(samples.shape[0])
-        periodic = index % jnp.maximum(jnp.round(self.repeat), 1) == 0
+        # The sample of the log at which a value of the sensor's clock is first seen.
+        seen = jnp.floor(index / self.repeat) != jnp.floor((index - 1) / self.repeat)
         random = jax.random.uniform(key, samples.shape) < 1 / self.repeat
-        fresh = jnp.where(self._whole(), periodic, random)
+        fresh = jnp.where(self._steady(), seen, random)
         return samples[jax.lax.cummax(jnp.where(fresh, index, 0))]
 
-    def _whole(self):
-        return jnp.abs(self.repeat - jnp.round(self.repeat)) < 1e-6
+    def _steady(self):
+        whole = jnp.abs(self.repeat - jnp.round(self.repeat)) < 1e-6
+        return whole | (jnp.asarray(self.regular) > 0.5)
+
+
+def _whole_hold(samples, cycles):
+    """What holding each value for so many samples does to the density of white noise."""
+    return samples * (jnp.sinc(samples * cycles) / jnp.sinc(cycles)) ** 2
