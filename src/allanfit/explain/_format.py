@@ -10,6 +10,8 @@ from ..recording._checks import code_width, rails, repeated, usable
 
 # A code this wide beside the local noise adds 0.5 % to its variance, and an engineer should know.
 _COARSE = 0.25
+# Up to here rounded noise is as good as normal; wider codes look like outliers.
+_DISCRETE = 0.5
 _WINDOW = 64
 
 
@@ -30,6 +32,8 @@ class Format:
     #: Difference between neighbouring codes, and whether it matters beside the noise.
     width: float
     coarse: bool
+    #: Whether codes are so wide that rounded noise is not normal.
+    discrete: bool
     #: Local standard deviation of the samples.
     sigma: float
     rails: tuple[float, ...]
@@ -47,10 +51,10 @@ def sample_format(
     windows = used[: used.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
     sigma = float(np.median((windows - windows[:, :1]).std(axis=1)))
     whole = sigma or float(np.std(used))
-    coarse = width > _COARSE * whole
+    coarse, discrete = (width > part * whole for part in (_COARSE, _DISCRETE))
     ends = () if width > 0.75 * whole else rails(used, width)
     clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
-    return Format(width, coarse, sigma, ends, clipped, _repeat(used, ends, width))
+    return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(used, ends, width))
 
 
 def _repeat(

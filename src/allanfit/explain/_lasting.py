@@ -38,8 +38,8 @@ _SHORTEST_QUIET = 1024
 
 def about_spread(state: Investigation, seed: int) -> bool:
     """Outliers, loud times and knocks. Says whether the record has to be cut."""
-    if state.format.coarse or state.format.repeat is not None:
-        # Coarse or held samples are not normal, and their whitened record is not either.
+    if state.format.discrete or state.format.repeat is not None:
+        # Discrete or held samples are not normal, and their whitened record is not either.
         return False
     piece = state.longest
     rough = whitened_piece(state, piece)

@@ -210,7 +210,7 @@ def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
 
 def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Noise that changes in time, but not by white noise that comes and goes."""
-    if state.format.coarse or state.format.repeat is not None:
+    if state.format.discrete or state.format.repeat is not None:
         # What rounding makes of noise depends on where the mean is.
         return
     powers = tiles(white)
@@ -280,7 +280,7 @@ def _bump_instead(state: Investigation) -> None:
 
 def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Name noise whose strength swings as something that is not in the catalogue."""
-    if state.format.coarse or state.format.repeat is not None:
+    if state.format.discrete or state.format.repeat is not None:
         # Codes and held samples make squares of their own.
         return
     if not white.any():
