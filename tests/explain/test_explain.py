@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter, welch
 
 import allanfit
 from allanfit.cli import main
@@ -55,6 +56,35 @@ def test_nothing_is_claimed_where_nothing_is_left_out(tmp_path, seed):
     assert channel["effects"] == channel["mismatch"] == []
     assert channel["improvement"] is None
     assert channel["coefficients_after"] == channel["coefficients_before"]
+
+
+def test_a_filter_in_the_processor_is_named_and_simulated(tmp_path):
+    """Butterworth of second order at 15 Hz: its zero at 25 Hz makes up nothing else."""
+    rng = np.random.default_rng(31)
+    passed = np.asarray(lfilter(*butter(2, 15.0, fs=RATE), noise(32)))
+    recording = allanfit.load(written(tmp_path, passed + 1e-9 * rng.standard_normal(SAMPLES)))
+    found = explain_recording(recording, posterior=False)
+    (effect,) = found.to_dict()["channels"][0]["effects"]
+    assert effect["name"] == "low_pass"
+    parameters = effect["parameters"]
+    assert parameters["digital"]["value"] == 1
+    for name, truth in (("cutoff_frequency", 15.0), ("order", 2.0)):
+        low, high = parameters[name]["intervals"]["0.95"]
+        assert low * 0.995 < truth < high * 1.005
+    document = tmp_path / "explain.json"
+    document.write_text(json.dumps(found.to_dict()))
+    drawn = tmp_path / "drawn.npz"
+    length = ["--duration", f"{SAMPLES / RATE}", "--rate", f"{RATE}", "--seed", "1"]
+    assert main(["simulate", str(document), *length, "--output", str(drawn)]) == 0
+    again = allanfit.load(drawn).channels[0].samples
+    # Means of octaves of the spectrum, of which the last falls by ten thousand.
+    edges = np.array([0.5, 2.0, 8.0, 15.0, 20.0, 23.0, 24.5])
+    powers = []
+    for values in (recording.channels[0].samples, again):
+        frequency, density = welch(values, RATE, nperseg=1024)
+        index = np.digitize(frequency, edges)
+        powers.append([density[index == k].mean() for k in range(1, edges.size)])
+    np.testing.assert_allclose(np.divide(*powers), 1.0, atol=0.12)
 
 
 def test_a_gauss_markov_process_is_named_modelled_and_proven(wandering):

@@ -28,7 +28,7 @@ CONTRACT = {
     "sinusoid": ["amplitude", "frequency"],
     "drifting_line": ["amplitude", "frequency", "width"],
     "resonance": ["sigma", "frequency", "quality_factor"],
-    "low_pass": ["cutoff_frequency", "order"],
+    "low_pass": ["cutoff_frequency", "order", "digital", "averaged"],
     "power_law": ["exponent", "density"],
     "random_telegraph": ["amplitude", "dwell_time"],
     "temperature": ["sensitivity", "time_scale"],
@@ -268,17 +268,26 @@ def test_held_values_have_their_autocovariance():
         (2.4, (1 - 1 / 2.4) ** lag),
         (3.0, np.maximum(1 - lag / 3, 0)),
         (1.0, lag == 0),
-        # By a clock of its own, a triangle too.
-        ((2.4, 1.0), np.maximum(1 - lag / 2.4, 0)),
-        ((1.1, 1.0), np.maximum(1 - lag / 1.1, 0)),
     ):
-        hold = made(SampleHold, *np.atleast_1d(repeat))
+        hold = made(SampleHold, repeat)
 
         def wave(frequency, hold=hold):
             gain = np.asarray(hold.gain(jnp.asarray(frequency), DT))
             return 2 * DT * gain * np.cos(2 * np.pi * frequency * DT * lag[:, None])
 
         np.testing.assert_allclose(band_integral(wave), expected, atol=1e-8)
+
+
+@pytest.mark.parametrize("repeat", [1.1, 2.4, 3.0])
+def test_values_held_by_a_clock_have_a_triangle_for_autocovariance(repeat):
+    lag = np.array([0, 1, 2, 3, 5])
+    hold = SampleHold(jnp.asarray(repeat), regular=True)
+
+    def wave(frequency):
+        gain = np.asarray(hold.gain(jnp.asarray(frequency), DT))
+        return 2 * DT * gain * np.cos(2 * np.pi * frequency * DT * lag[:, None])
+
+    np.testing.assert_allclose(band_integral(wave), np.maximum(1 - lag / repeat, 0), atol=1e-8)
 
 
 def test_a_bump_is_where_it_is_said_to_be():

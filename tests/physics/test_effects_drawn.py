@@ -158,6 +158,15 @@ def test_another_recipe_of_a_filter():
         assert not agrees(fine[:, 16 * 76 :: 16], lambda f, each=low_pass: each.passed(f, DT))
 
 
+def test_a_filter_behind_the_converter():
+    """SciPy's Butterworth filter of samples; false alarm about 5e-5."""
+    white = np.random.default_rng(4).standard_normal((400, 1500)) * np.sqrt(0.5 / DT)
+    found = sosfilt(butter(2, 20.0, fs=1 / DT, output="sos"), white)[:, 476:]
+    low_pass = LowPass(jnp.asarray(20.0), jnp.asarray(2.0), digital=True)
+    assert agrees(np.asarray(found), lambda f: low_pass.gain(f, DT))
+    assert not agrees(np.asarray(found), lambda f: made(LowPass, 20.0, 2.0).gain(f, DT))
+
+
 @pytest.mark.parametrize(
     "effect",
     [
@@ -269,7 +278,9 @@ def test_held_samples_repeat():
 
 def test_a_clock_of_its_own_holds_evenly():
     """At 5 values in 8 samples each is held once or twice, and eight samples bring five."""
-    held = np.asarray(made(SampleHold, 1.6, 1.0).apply(KEY, jnp.arange(8000.0), DT, "point"))
+    held = np.asarray(
+        SampleHold(jnp.asarray(1.6), regular=True).apply(KEY, jnp.arange(8000.0), DT, "point")
+    )
     changes = np.flatnonzero(np.diff(held))
     assert set(np.diff(changes)) == {1, 2}
     assert np.all(changes[5:] - changes[:-5] == 8)

@@ -133,7 +133,7 @@ def logged_density(
     if stride == 1:
         return fresh(frequency)
     # What white noise comes to.
-    held = SampleHold(jnp.asarray(stride), 1.0)
+    held = SampleHold(jnp.asarray(stride), regular=True)
     left = np.asarray(held.gain(jnp.asarray(frequency), 1.0))
     total = np.zeros_like(frequency)
     for order in range(-_ORDERS, _ORDERS + 1):

@@ -60,10 +60,12 @@ class Effect:
     note: str = ""
     #: Whether it shows in time alone.
     in_time: bool = False
+    #: What is told of parameters in place of the medians of their draws.
+    told: dict[str, float] = field(default_factory=dict)
 
     def value(self, name: str) -> float:
-        """The median of a parameter."""
-        return float(np.median(self.parameters[name]))
+        """What is told of a parameter, mostly its median."""
+        return self.told.get(name, float(np.median(self.parameters[name])))
 
     def told_apart(self, rival: str) -> str:
         """What would tell it from a rival."""
@@ -125,15 +127,23 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     found = []
     if draws.filtering is not None:
         cutoff, order = draws.filtering.T
+        # What is told together must belong together: the numbers of one kind of filter.
+        told = {
+            name: float(np.median(each[draws.of_likeliest]))
+            for name, each in (("cutoff_frequency", cutoff / dt), ("order", order))
+        }
+        flags = {"digital_low_pass": "digital", "averaged_low_pass": "averaged"}
+        flag = {flags[draws.likeliest]: np.ones(2)} if draws.likeliest in flags else {}
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
             Effect(
                 "low_pass",
                 own,
                 others,
-                {"cutoff_frequency": cutoff / dt, "order": order},
+                {"cutoff_frequency": cutoff / dt, "order": order, **flag},
                 {},
-                (float(np.median(cutoff)) / dt / 4, 0.5 / dt),
+                (told["cutoff_frequency"] / 4, 0.5 / dt),
+                told=told,
             )
         )
     if kinds.shaping == "bump":

@@ -108,8 +108,7 @@ class ChannelExplanation:
 
     def _effect(self, effect: Effect) -> dict[str, Any]:
         parameters = {
-            name: self._parameter(effect.name, name, draws)
-            for name, draws in effect.parameters.items()
+            name: self._parameter(effect, name, draws) for name, draws in effect.parameters.items()
         }
         for name, values in effect.lists.items():
             parameters[name] = {"value": values, "unit": "s", "intervals": {}}
@@ -124,8 +123,10 @@ class ChannelExplanation:
             "sentence": effect_sentence(effect, parameters),
         }
 
-    def _parameter(self, effect: str, name: str, draws: Float[np.ndarray, " _"]) -> dict[str, Any]:
-        parameter = next(each for each in EFFECTS[effect].parameters if each.name == name)
+    def _parameter(
+        self, effect: Effect, name: str, draws: Float[np.ndarray, " _"]
+    ) -> dict[str, Any]:
+        parameter = next(each for each in EFFECTS[effect.name].parameters if each.name == name)
         power = {"u": 1, "u/K": 1, "u^2/Hz": 2, "1/u": -1}.get(parameter.unit, 0)
         values = draws / self.channel.factor**power
 
@@ -135,7 +136,7 @@ class ChannelExplanation:
 
         exact = bool(np.ptp(values) == 0)
         return {
-            "value": float(np.median(values)),
+            "value": effect.value(name) / self.channel.factor**power,
             "unit": parameter_unit(parameter, self.channel.unit),
             "intervals": {} if exact else {"0.68": interval(0.68), "0.95": interval(0.95)},
         }

@@ -104,7 +104,8 @@ def size_up(
     left = spectrum
     for _ in range(_ROUNDS):
         variance = ordinate_variance(spectrum, model, data)
-        weighted = (1 / variance)[:, None] * moved
+        seen = spectrum.frequency <= spectrum.top
+        weighted = np.where(seen, 1 / variance, 0.0)[:, None] * moved
         information = weighted.T @ moved
         unit = np.sqrt(np.maximum(np.diag(information), 1e-300))
         inverse = np.linalg.pinv(information / unit / unit[:, None], rcond=1e-10, hermitian=True)

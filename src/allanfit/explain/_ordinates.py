@@ -20,6 +20,12 @@ from ..physics import Sampling
 BINS_PER_DECADE = 48
 # Bins of no weight fill a spectrum up to a multiple of this: one compilation serves most records.
 _PADDING = 128
+# Distances from the Nyquist frequency [cycles per sample] between which bins are finer.
+_NEAR_NYQUIST = (0.05, 5e-4)
+_BINS_NEAR_NYQUIST = 24
+_FAST = 0.01
+#: Where leakage asks for a density: from zero to the Nyquist frequency [cycles per sample].
+LEAKAGE_GRID = np.linspace(0.0, 0.5, 2049)
 # Gauss-Legendre nodes of three points on (0, 1), exact to fifth order.
 _NODES = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
 _WEIGHTS = np.array([5, 8, 5]) / 18
@@ -41,6 +47,8 @@ class Ordinates(NamedTuple):
     #: How many ordinates count as one: more than one where the noise is not as strong at all
     #: times, which makes neighbours alike (mean of sigma^4 over the square of the mean sigma^2).
     dilution: float = 1.0
+    #: Above this frequency ordinates are what the ends of the record leak, and no noise.
+    top: float = 0.5
 
     def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":
         """What is left when something with these amplitudes is taken out."""
@@ -117,9 +125,16 @@ def _projection(length: int) -> RampProjection:
 def bin_edges(
     longest: int, peaks: tuple[tuple[float, float], ...] = ()
 ) -> Float[np.ndarray, " edges"]:
-    """Edges equally spaced in log f, and finer about each peak (frequency, half width)."""
+    """Edges equally spaced in log f, and finer about each peak (frequency, half width).
+
+    Toward the Nyquist frequency they are spaced in the logarithm of the distance to it: a filter
+    in a sensor's processor has a zero there, and a wide bin would hold powers of all sizes.
+    """
     spacing = 1 / (2 * longest)
     edges = logarithmic_edges(2 * spacing, spacing, BINS_PER_DECADE)
+    distance = np.geomspace(*_NEAR_NYQUIST, _BINS_NEAR_NYQUIST + 1)
+    near = (np.round((0.5 - distance) / spacing - 0.5) + 0.5) * spacing
+    edges = np.union1d(edges, near[(near > edges[0]) & (near < edges[-1])])
     for centre, width in peaks:
         # From the peak outward, each bin wider in proportion to its distance.
         reach = width * np.sinh(np.linspace(0.0, 4.5, 14)) / 2
@@ -138,7 +153,9 @@ def binned(
     fold: int | None = None,
 ) -> Bins:
     """Averages of all ordinates, or of one half of them, between the edges."""
-    kept = np.ones(spectrum.frequency.size, bool) if fold is None else spectrum.fold == fold
+    kept = spectrum.frequency <= spectrum.top
+    if fold is not None:
+        kept &= spectrum.fold == fold
     index = np.clip(np.searchsorted(edges, spectrum.frequency, side="right") - 1, 0, edges.size - 2)
     count = np.bincount(index[kept], minlength=edges.size - 1)
     used = count > 0
@@ -164,3 +181,40 @@ def binned(
         np.pad(count[used] / (2 * spectrum.dilution), (0, padding)),
         np.pad(nodes, ((0, padding), (0, 0)), constant_values=0.25),
     )
+
+
+def above_leakage(spectrum: Ordinates, bins: Bins) -> Ordinates:
+    """The ordinates with their `top`, where a steep filter leaves less than the ends may leak.
+
+    Before the filter is known a bound has to do: the ends of n samples leak less than an n-th of
+    the largest density.
+    """
+    frequency, density = bins.frequency[bins.used], np.asarray(bins.density)[bins.used]
+    # What slow noise leaks is in `expected`.
+    fast = frequency > _FAST
+    loud = np.flatnonzero(density > density[fast].max(initial=0.0) / spectrum.longest)
+    if loud[-1] == density.size - 1:
+        return spectrum
+    return spectrum._replace(top=float(frequency[loud[-1]]))
+
+
+def leakage(
+    density: Float[np.ndarray, " grid"], at: Float[np.ndarray, " frequencies"]
+) -> Float[np.ndarray, " frequencies"]:
+    """What the ends of a record add to its mirror spectrum at some frequencies, times its samples.
+
+    `density` is that of the process at `LEAKAGE_GRID`, and g its autocovariance. Of a stationary
+    process of n samples an ordinate has the expectation
+
+        S(w) - 1/n sum_m g_m (|m| cos(w m) + sin(w |m|)/sin w),
+
+    by summing the products of two cosines over all pairs of samples.
+    """
+    lag = np.arange(2 * LEAKAGE_GRID.size - 2)
+    covariance = np.where((lag > 0) & (lag < LEAKAGE_GRID.size - 1), np.fft.irfft(density), 0.0)
+    turn = 2 * np.pi * LEAKAGE_GRID[1:-1]
+    slope = np.fft.rfft(lag * covariance).real[1:-1]
+    odd = -np.fft.rfft(covariance).imag[1:-1] / np.sin(turn)
+    # It ends at zero like the square of a cosine, between whose points lines are too coarse.
+    smooth = -2 * (slope + odd) / np.cos(turn / 2) ** 2
+    return np.interp(at, LEAKAGE_GRID[1:-1], smooth) * np.cos(np.pi * at) ** 2

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import emcee
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from ..identify._posterior import _ABSENCE
 from ._climb import log_slopes, parts
@@ -47,6 +47,9 @@ class Draws(NamedTuple):
     theta: Float[np.ndarray, "draws parameters"]
     #: Cut-off frequency [cycles per sample] and order of a filter, shape (draws, 2), or none.
     filtering: Float[np.ndarray, "draws two"] | None = None
+    #: The kind of filter that fits best, and which draws are of it.
+    likeliest: str = ""
+    of_likeliest: Bool[np.ndarray, " draws"] | None = None
 
 
 def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False) -> Draws:
@@ -62,6 +65,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
     least = min(each.deviance for each in models)
     weights = np.exp([(least - each.deviance) / 2 for each in models])
     weights /= weights.sum()
+    likeliest = models[int(np.argmax(weights))].kinds.shaping or ""
     parts, rng = [], np.random.default_rng(seed)
     for each, weight in zip(models, weights, strict=True):
         if weight > _OPEN:
@@ -69,8 +73,10 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
             kept = rng.random(len(drawn.power)) < weight / weights.max()
             three = drawn.theta[kept, TERMS : TERMS + EACH].T
             two = shape_of(each.kinds.shaping or "", three, data.samples)
-            parts.append((drawn.power[kept], drawn.theta[kept], np.stack(two, axis=1)))
-    return Draws(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+            best = np.full(kept.sum(), each.kinds.shaping == likeliest)
+            parts.append((drawn.power[kept], drawn.theta[kept], np.stack(two, axis=1), best))
+    power, theta, filtering, best = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Draws(power, theta, filtering, likeliest, best)
 
 
 def _other_filters(model: Model, data: Data) -> list[Model]:

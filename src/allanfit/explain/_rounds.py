@@ -17,6 +17,7 @@ from ._state import (
     add_course,
     drop_courses,
     evidence,
+    leave_leakage,
     rebin,
     whitened_piece,
     with_course,
@@ -182,6 +183,8 @@ def _smooth_options(state: Investigation) -> list[Option]:
 
         def take(rivals: dict[str, float], candidate: Candidate = candidate) -> None:
             state.model = candidate.model
+            if state.model.kinds.angle_filtered:
+                leave_leakage(state)
             state.findings.append(
                 Finding(
                     candidate.name,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.optimize import minimize
 from scipy.stats import chi2, norm
 
@@ -15,6 +16,8 @@ from scipy.stats import chi2, norm
 PULLED_IN = 4.0
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
+# Samples apart up to which the whitened record may be correlated.
+_LAGS = 1024
 # Windows of at most this many are told apart by the hidden Markov model.
 _MOST_WINDOWS = 4096
 
@@ -166,9 +169,12 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int]:
     For independent samples the mean squares of W windows of m samples scatter with the variance of
     one square over m, whatever the distribution: their sum of squares is chi-square with W - 1
     degrees of freedom. Windows double in length; Bonferroni over them.
+
+    Where whitening left a correlation r_k, as beside the zeros of a filter, squares of normal
+    samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more.
     """
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
-    one = float(np.var(squares))
+    one = float(np.var(squares)) * (1 + 2 * _squared_correlation(white))
     best, at, levels = 1.0, _SHORTEST_WINDOW, 0
     window = _SHORTEST_WINDOW
     while white.size // window >= _FEWEST_WINDOWS:
@@ -180,6 +186,15 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int]:
             best, at = chance, window
         window *= 2
     return min(1.0, best * max(levels, 1)), at
+
+
+def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
+    """The sum of squared correlations over the first lags, less what chance makes of it."""
+    length = next_fast_len(white.size + _LAGS, real=True)
+    power = np.abs(np.asarray(rfft(white, length))) ** 2
+    covariance = np.asarray(irfft(power, length))[: _LAGS + 1]
+    correlation = covariance[1:] / np.maximum(covariance[0], 1e-300)
+    return max(float(np.sum(correlation**2)) - _LAGS / white.size, 0.0)
 
 
 def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:

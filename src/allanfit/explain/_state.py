@@ -17,14 +17,24 @@ from ._format import Format, sample_format
 from ._held_out_values import Gain, of_codes, of_rails
 from ._lines import Peak
 from ._means import Course, Sized
-from ._ordinates import Ordinates, bin_edges, binned, ordinates
+from ._ordinates import (
+    LEAKAGE_GRID,
+    Ordinates,
+    above_leakage,
+    bin_edges,
+    binned,
+    leakage,
+    ordinates,
+)
 from ._search import Candidate, Model
 from ._spread import Contamination, Modulation
-from ._structure import Data
+from ._structure import EACH, TERMS, Data, shaped
 from ._whiten import level, whitened
 
 # Beside this part of the noise a code's width says nothing.
 _FINE = 0.05
+# Share of a density that may have leaked.
+_LEAKED = 0.05
 # So many logs of rates for one of differences of an angle, among those with coarse codes.
 _RATES = 3.0
 
@@ -158,6 +168,7 @@ def begin(
     parts = tuple(values[start:stop] for start, stop in pieces)
     spectrum = ordinates(parts, sampling)
     edges = bin_edges(spectrum.longest)
+    spectrum = above_leakage(spectrum, binned(spectrum, edges))
     bins = binned(spectrum, edges)
     data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool))
     first = _search.five_terms(power, data)
@@ -237,6 +248,21 @@ def rebin(state: Investigation) -> None:
     bins = binned(state.left, state.edges)
     state.data = state.data._replace(bins=bins)
     state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
+
+
+def leave_leakage(state: Investigation) -> None:
+    """Leave out what only the ends of the record leak to, beyond a filter that has been found.
+
+    What two ends leak is no noise of its own at each frequency: it would bend the filter.
+    """
+    kinds, theta = state.model.kinds, state.model.theta
+    nodes = np.repeat(LEAKAGE_GRID[:, None], 3, axis=1)
+    _, passed, _ = shaped(kinds.shaping, theta[TERMS : TERMS + EACH], nodes, state.data.samples)
+    leaked = leakage(2 * np.exp(theta[1]) * np.asarray(passed), state.left.frequency)
+    unclean = leaked > _LEAKED * state.spectrum.longest * state.variance
+    if unclean.any():
+        state.spectrum = state.spectrum._replace(top=float(state.left.frequency[unclean.argmax()]))
+        rebin(state) if state.sized is None else resize(state)
 
 
 def with_course(state: Investigation, course: Course) -> Sized:

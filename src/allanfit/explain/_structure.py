@@ -165,8 +165,9 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
         # Butterworth by the bilinear transform, at the output rate: nothing folds.
         cutoff, order = shape_of(shaping, three, samples)
         # The zero at the Nyquist frequency is filled by whatever noise comes after the filter.
-        ratio = jnp.tan(jnp.pi * jnp.minimum(middle, 0.499)) / jnp.tan(jnp.pi * cutoff)
-        passed = jax.nn.sigmoid(-2 * order * jnp.log(ratio))
+        at = jnp.minimum(jnp.asarray(nodes), 0.4999)
+        ratio = jnp.tan(jnp.pi * at) / jnp.tan(jnp.pi * cutoff)
+        passed = averaged(jax.nn.sigmoid(-2 * order * jnp.log(ratio)))
         return passed, passed, jnp.ones_like(middle)
     if shaping == "bump":
         bump = Bump(jnp.tanh(three[0] / 6) * 6, *shape_of("bump", three, samples))

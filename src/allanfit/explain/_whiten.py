@@ -14,6 +14,8 @@ from ._ordinates import Ordinates
 _DROPPED = 6
 _BINS_PER_DECADE = 20
 _FEWEST = 64
+# Distance from the Nyquist frequency below which bins are finer [cycles per sample].
+_NEAR_NYQUIST = 0.05
 # The median of a chi-square with one degree of freedom over its mean.
 _MEDIAN = 0.45494
 # The relative standard deviation of a median of n of them, times sqrt(n).
@@ -27,7 +29,10 @@ def level(
     """Expected ordinates [u^2], smooth and deaf to lines, from a model's `mean` of them."""
     ratio = spectrum.amplitude**2 / mean
     order = np.log10(spectrum.frequency * 2 * spectrum.longest)
-    index = np.floor(order * _BINS_PER_DECADE).astype(int)
+    index = np.floor(order * _BINS_PER_DECADE)
+    # Toward the Nyquist frequency as finely in the distance to it: a digital filter has a zero.
+    distance = np.maximum(0.5 - spectrum.frequency, 0.5 / spectrum.longest)
+    index -= np.floor(np.minimum(np.log10(distance / _NEAR_NYQUIST), 0.0) * _BINS_PER_DECADE)
     starts = np.flatnonzero(np.diff(index, prepend=index[0] - 1))
     stops = np.append(starts[1:], index.size)
     at, values = [], []
@@ -56,6 +61,7 @@ def whitened(
     variance = np.interp(frequency, spectrum.frequency, expected) / 2
     coefficients /= np.sqrt(variance)
     coefficients[:_DROPPED] = 0.0
+    coefficients[frequency > spectrum.top] = 0.0
     for notch in notches:
         coefficients[np.abs(frequency - notch) < 2.5 / piece.size] = 0.0
     return np.asarray(idct(coefficients, norm="ortho"))

@@ -57,6 +57,8 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 }
 # Parameters that are arrays, by their number of axes.
 _AXES = {"times": 1, "intervals": 2}
+# What is so or not, as 1 or 0.
+_FLAGS = {"regular", "digital", "averaged"}
 _SIGNED = {"amplitude", "height", "sensitivity", "coefficient"}
 # Of the others, those that may be zero or must not be large.
 _RANGES = {
@@ -64,14 +66,12 @@ _RANGES = {
     "density": (0.0, math.inf),
     "fraction": (0.0, 0.99),
     "repeat": (1.0, math.inf),
-    "regular": (0.0, 1.0),
 }
 _RANGE_WORDS = {
     "sigma": "zero or more",
     "density": "zero or more",
     "fraction": "between 0 and 0.99",
     "repeat": "1 or more",
-    "regular": "0 or 1",
 }
 
 
@@ -111,6 +111,10 @@ def field_of(parameter: Parameter) -> str:
 
 def _array(name: str, parameter: Parameter, value: Any):
     axes = _AXES.get(parameter.name, 0)
+    if parameter.name in _FLAGS:
+        if value not in (0, 1):
+            raise ValueError(f"{parameter.name} of {name} must be 0 or 1; got {value!r}")
+        return bool(value)
     try:
         # YAML takes 5e-3, without a point, for text, which NumPy reads.
         array = jnp.asarray(np.asarray(value, float))

@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
@@ -21,14 +22,22 @@ class LowPass(AbstractFilter):
     aliases. The density N of a sensor with a filter is what it shows at low frequency, aliases
     included, so that the gain is one there whatever the cut-off. Those up to 8 sampling rates have
     their aliases right.
+
+    A `digital` filter, in the sensor's processor, comes after the samples are taken: nothing folds,
+    and by the bilinear transform its frequencies are those of tan(pi f dt)/(pi dt). With `averaged`
+    samples are averages over their interval, whatever is said of the terms.
     """
 
     cutoff_frequency: Float[Array, ""]
     order: Float[Array, ""]
+    digital: bool = eqx.field(static=True, default=False)
+    averaged: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "low_pass"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("cutoff_frequency", "Hz"),
         Parameter("order", ""),
+        Parameter("digital", ""),
+        Parameter("averaged", ""),
     )
     what: ClassVar[str] = "a low-pass filter"
     origin: ClassVar[str] = "the sensor's own digital or analogue filter"
@@ -37,6 +46,9 @@ class LowPass(AbstractFilter):
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
     ) -> Float[Array, "*shape"]:
         """The folded |H|^2, as a multiple of what it is at zero frequency."""
+        if self.digital:
+            return self.passed(frequency, dt)
+        sampling = "averaged" if self.averaged else sampling
         still = jnp.zeros_like(frequency, shape=())
         return self.folded(frequency, dt, sampling) / self.folded(still, dt, sampling)
 
@@ -59,8 +71,11 @@ class LowPass(AbstractFilter):
 
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """1/(1 + (f/f_c)^(2 order)), as a logistic function: neither it nor its slope overflows."""
+        at, cutoff = jnp.abs(frequency), self.cutoff_frequency
+        if self.digital:
+            at, cutoff = (jnp.tan(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
         # Zero frequency has no logarithm; this one, in cut-off frequencies, passes as well.
-        ratio = jnp.maximum(jnp.abs(frequency) / self.cutoff_frequency, 1e-18)
+        ratio = jnp.maximum(at / cutoff, 1e-18)
         return jax.nn.sigmoid(-2 * self.order * jnp.log(ratio))
 
     def apply(

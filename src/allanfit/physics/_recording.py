@@ -49,8 +49,8 @@ def draw_recording(
     That order is low-pass filters, bumps, modulation of the noise, added noises and means,
     outliers, lost samples, the bias, the end of the range, rounding and holding, whatever the
     order of `effects`. A filter passes white noise with its aliases and slow noise without any,
-    and neither the quantization noise, which the counting behind it makes, nor the ramp, which
-    it does not change.
+    and neither the quantization noise, which the counting behind it makes (in front of a digital
+    filter), nor the ramp, which it does not change.
     """
     length = samples
     for effect in effects:
@@ -73,7 +73,7 @@ def draw_recording(
 
     for effect, each in of(LowPass):
         assert isinstance(effect, LowPass)
-        for symbol in terms.keys() & {"N", "B", "K"}:
+        for symbol in terms.keys() & ({"Q", "N", "B", "K"} if effect.digital else {"N", "B", "K"}):
             terms[symbol] = (
                 effect.apply(each, terms[symbol], dt, sampling)
                 if symbol == "N"

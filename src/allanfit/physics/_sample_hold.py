@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
@@ -15,12 +16,12 @@ class SampleHold(AbstractFilter):
 
     A whole `repeat` is taken as periodic. Any other is taken as random: each sample is fresh with
     probability 1/repeat, and its values have the autocovariance p^k with p = 1 - 1/repeat; unless
-    `regular` is 1 and not 0, where a sensor has a steady clock of its own, and a value is held for
+    `regular` is set, where a sensor has a steady clock of its own, and a value is held for
     the whole number of samples below `repeat` or above it, in a beat of the two clocks.
     """
 
     repeat: Float[Array, ""]
-    regular: Float[Array, ""] | float = 0.0
+    regular: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "sample_hold"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("repeat", ""),
@@ -60,8 +61,7 @@ class SampleHold(AbstractFilter):
         return samples[jax.lax.cummax(jnp.where(fresh, index, 0))]
 
     def _steady(self):
-        whole = jnp.abs(self.repeat - jnp.round(self.repeat)) < 1e-6
-        return whole | (jnp.asarray(self.regular) > 0.5)
+        return self.regular | (jnp.abs(self.repeat - jnp.round(self.repeat)) < 1e-6)
 
 
 def _whole_hold(samples, cycles):
