@@ -15,9 +15,9 @@ _SMOOTH = {
     "drifting_line": (15.0, 3),
     "bump": (20.0, 3),
 }
-# Twice the log-likelihood that a parameter of a smooth effect, and a size of a course, has to pay
-# for in the comparison of rivals.
-_PRICE = float(np.log(200))
+#: Twice the log-likelihood that a parameter of a smooth effect, and a size of a course, has to pay
+#: for in the comparison of rivals.
+PRICE = float(np.log(200))
 _SIZE_PRICE = 3.2
 # Below this much gain tails are looked up, above it expanded.
 _FAR = 600.0
@@ -31,7 +31,7 @@ def log_chance(name: str, gain: float) -> float:
 
 def score(name: str, gain: float) -> float:
     """Twice the log of the odds of rivals, up to a constant: the gain less what it costs."""
-    return gain - _PRICE * _SMOOTH[name][1]
+    return gain - PRICE * _SMOOTH[name][1]
 
 
 def course_log_chance(
