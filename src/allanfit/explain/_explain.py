@@ -30,8 +30,8 @@ from ._structure import active
 from ._words import effect_sentence
 
 SCHEMA = "allanfit.explain/1"
-# How many families of tests share the chance of a false alarm.
-_FAMILIES = 8
+# Chance of a false alarm in a recording with nothing left out.
+_FALSE_ALARM = 0.01
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,11 @@ class ChannelExplanation:
 
     @property
     def false_alarm_probability(self) -> float:
-        """Chance that a recording with nothing left out looks as odd as this one."""
-        return float(min(1.0, _FAMILIES * math.exp(min(self.state.nearest, 0.0))))
+        """Chance that a recording with nothing left out looks as odd as this one.
+
+        That of the oddest of all tests, for as many of them as share the chance of an alarm.
+        """
+        return float(min(1.0, _FALSE_ALARM / self.state.alarm * math.exp(self.state.nearest)))
 
     def to_dict(self) -> dict[str, Any]:
         """This channel's entry in the explain JSON, in the unit that the user gave."""

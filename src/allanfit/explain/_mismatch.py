@@ -98,8 +98,12 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
         np.sum(weight * np.asarray(state.first_data.bins.density)[inside] / first[inside])
         / np.sum(weight)
     )
-    what = "more" if ratio > 1 else "less"
-    times = f"{ratio:.3g} times the power that" if abs(ratio - 1) > 0.02 else f"{what} power than"
+    even = abs(ratio - 1) < 0.02
+    power = (
+        "more power in one part and less in another than"
+        if even
+        else f"{ratio:.3g} times the power that"
+    )
     return {
         "domain": "frequency",
         "low": low,
@@ -107,8 +111,8 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
         "unit": "Hz",
         "ratio": ratio,
         "p_value": chance,
-        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {times} the five terms "
-        + ("expect." if "that" in times else "expect there."),
+        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {power} the five terms "
+        "expect.",
     }
 
 

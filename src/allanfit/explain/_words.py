@@ -56,7 +56,11 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "step": lambda: (
             f"The mean jumps by {told('amplitude')}"
-            + ("." if count == 1 else f" on average, {count} times.")
+            + (
+                f" at {effect.lists['times'][0]:.6g} s."
+                if count == 1
+                else f" on average, {count} times."
+            )
         ),
         "outliers": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
