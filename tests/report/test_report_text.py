@@ -43,7 +43,7 @@ def test_an_accelerometer_has_two_field_units_for_velocity_random_walk(document)
 
 def test_a_fit_that_fails_says_so(document):
     text = " ".join(format_text(document).split())
-    assert "do not explain the curves (p = 3.2e-7)" in text
+    assert "do not explain the curves (p = 3.2e-7): run `allanfit explain` on the" in text
     assert "intervals from the fast posterior, not sampled" in text
     assert "warning the least squares stopped after 200 steps" in text
 

@@ -5,6 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from ..report._format import printable
+from ._doubts import no_white_noise
 from ._errors import ExportError
 from ._exported import Exported
 from ._imu_error_model import imu_error_model
@@ -68,13 +69,7 @@ def export(
     if target not in _ANY_FIT:
         _refuse_without_white_noise(found)
     exported = writer(found, options)
-    doubts = [
-        f"The five terms{' and what explain names' if channel.effects else ''} do not explain "
-        f"{channel.name}: its numbers describe it in part only."
-        for channel in found.channels
-        if not channel.consistent
-    ]
-    return Exported(exported.text, [printable(each) for each in [*doubts, *exported.warnings]])
+    return Exported(exported.text, [printable(each) for each in exported.warnings])
 
 
 def _refuse_unused(target: str, options: Options) -> None:
@@ -90,7 +85,4 @@ def _refuse_without_white_noise(fit: FitFile) -> None:
     for channel in fit.channels:
         term = channel.coefficients["N"]
         if not (term.resolved and term.value > 0):
-            raise ExportError(
-                f"N of {channel.name} is not resolved, and a filter cannot do without: choose "
-                "other channels with --channel, or record at a higher rate or for longer."
-            )
+            raise ExportError(no_white_noise(fit, channel))

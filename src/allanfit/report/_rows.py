@@ -122,14 +122,17 @@ def description(channel: Mapping[str, Any]) -> str:
 
 
 def fit_sentence(channel: Mapping[str, Any]) -> str:
-    """Whether the five terms explain both curves, with the p-value."""
+    """Whether the five terms explain both curves, with the p-value, and what to do if not."""
     goodness = channel["goodness_of_fit"]
     if goodness["p_value"] is None:
         return "the goodness of fit could not be judged"
     shown = p_value(goodness["p_value"])
     if goodness["consistent"]:
         return f"the five terms agree with both curves ({shown})"
-    return f"the five terms do not explain the curves ({shown})"
+    return (
+        f"the five terms do not explain the curves ({shown}): run `allanfit explain` on the "
+        "recording to find what they leave out"
+    )
 
 
 def slope_sentence(channel: Mapping[str, Any]) -> str:
