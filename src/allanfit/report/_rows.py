@@ -109,7 +109,7 @@ def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
 
 
 def description(channel: Mapping[str, Any]) -> str:
-    """What the channel is: its kind, rate, length, mean, and how it was taken to be sampled."""
+    """What the channel is: kind, rate, length, mean, sampling, and what was taken out of it."""
     parts = [
         *([channel["kind"]] if channel["kind"] != "other" else []),
         f"{significant(channel['rate_hz'], 6)} Hz",
@@ -117,8 +117,13 @@ def description(channel: Mapping[str, Any]) -> str:
         duration(channel["duration_s"]),
         f"mean {significant(channel['mean'])} {printable(channel['unit'])}".rstrip(),
         _SAMPLING.get(channel["sampling"], channel["sampling"]),
+        *(["effect of temperature taken out"] if _without_temperature(channel) else []),
     ]
     return ", ".join(parts)
+
+
+def _without_temperature(channel: Mapping[str, Any]) -> bool:
+    return bool((channel.get("temperature") or {}).get("removed"))
 
 
 def fit_sentence(channel: Mapping[str, Any]) -> str:
@@ -187,10 +192,20 @@ def temperature_caption(channel: Mapping[str, Any]) -> str:
     return (
         f"Slow changes beside {printable(entry['channel'])}. Points are means over "
         f"{duration(channel['duration_s'] / len(entry['slow']['time_s']))}, the line is the "
-        "effect of temperature with its 95 % band, which allows for drift of the sensor's own. "
+        "effect of temperature with its 95 % band, which allows for drift of the sensor's own"
+        f"{_ramp_drawn(entry['curve'])}. "
         f"Changes of the temperature within {duration(entry['shortest_period_s'])} are not used: "
         "there its own noise is too near."
     )
+
+
+def _ramp_drawn(curve: Mapping[str, Any]) -> str:
+    """What became of the rate ramp; documents of earlier versions do not tell."""
+    if "beside_ramp" not in curve:
+        return ""
+    if curve["beside_ramp"]:
+        return " and a rate ramp, which is taken out of the points"
+    return " but for a rate ramp, since none is resolved; the intervals in words allow for one"
 
 
 def sampler_sentence(channel: Mapping[str, Any]) -> str:
