@@ -50,6 +50,7 @@ from ._options import (
     Unit,
     check_targets,
 )
+from ._sheet import tell_left_out
 
 app = typer.Typer(
     name="allanfit",
@@ -108,6 +109,7 @@ def fit(
         refuse_other_figures(figure)
     check_targets((json, report, figure), (recording, datasheet))
     sheet = None if datasheet is None else read_datasheet(datasheet)
+    tell_left_out(datasheet)
     if blocks and temperature == "remove":
         raise ValueError("--temperature remove needs all samples at once: leave --blocks out.")
     if blocks:
@@ -171,6 +173,7 @@ def simulate(
     Example: allanfit simulate fit.json --duration 3600 --rate 100 --seed 1 --output sim.npz
     """
     check_targets((output,), (coefficients,))
+    tell_left_out(coefficients)
     columns, units = {}, {}
     for index, entry in enumerate(read_coefficients(coefficients, channel)):
         samples = simulate_series(
@@ -211,6 +214,7 @@ def plan(
     Example: allanfit plan fit.json --rate 100 --want N=1%,B=10%,K=30%
     """
     check_targets((json,), (coefficients,))
+    tell_left_out(coefficients)
     found = plan_file(coefficients, rate, parse_want(want), channels=channel, sampling=sampling)
     if json is not None:
         write_json(found.to_dict(), json)

@@ -15,6 +15,7 @@ from ..calibrate import (
 )
 from ..report import write_json
 from ._options import Channels, Json, Page, Rate, Sampling, Seed, Topic, Unit, check_targets
+from ._sheet import tell_left_out
 
 calibrate_app = typer.Typer(
     help="Bias, scale factor and misalignment, with intervals.", no_args_is_help=True
@@ -48,6 +49,7 @@ def calibrate_up_down(
     Example: allanfit calibrate up-down up.csv down.csv --rate 100 --unit m/s^2 --gravity 9.812
     """
     check_targets((json, report), (up, down, noise))
+    tell_left_out(noise)
     found = up_down(
         up,
         down,

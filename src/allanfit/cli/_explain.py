@@ -22,6 +22,7 @@ from ._options import (
     check_targets,
 )
 from ._progress import channel_by_channel, load_with_progress
+from ._sheet import tell_left_out
 
 
 def explain(
@@ -59,6 +60,7 @@ def explain(
     check_targets((json, report, figure), (recording, simulation))
     if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
+    tell_left_out(simulation)
     found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("explaining", len(found.channels)) as (announce, done):
         result = explain_recording(

@@ -159,7 +159,11 @@ class ChannelFit:
             else temperature_document(self.temperature, channel, *self._both()),
             "datasheet": None
             if self.datasheet is None
-            else datasheet_document(self.datasheet, self.judged),
+            else datasheet_document(
+                self.datasheet,
+                self.judged,
+                self.datasheet.left_out_of(channel.name, channel.kind),
+            ),
             "advice": list(self.advice),
         }
 
