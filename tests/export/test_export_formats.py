@@ -241,15 +241,26 @@ def test_what_is_no_fit_is_refused(write_fit, make_channel, tmp_path):
         export(path, "kalman")
 
 
-def test_unknown_formats_channels_and_idle_options_are_refused(imu):
+def test_unknown_formats_and_channels_are_refused(imu):
     with pytest.raises(ExportError, match="'kalmann' is not known; known are kalman, kalibr"):
         export(imu, "kalmann")
     with pytest.raises(ExportError, match="no channel 'wx'; it has gx, gy"):
         export(imu, "kalman", channels=["wx"])
-    with pytest.raises(ExportError, match="--walk has no effect on the format matlab"):
-        export(imu, "matlab", Options(walk=10.0))
-    with pytest.raises(ExportError, match="--band has no effect on the format kalibr"):
-        export(imu, "kalibr", Options(band_s=(1.0, 10.0)))
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "options"),
+    [
+        ("matlab", "walk", Options(walk=10.0)),
+        ("yaml", "walk", Options(walk="limit")),
+        ("kalibr", "band", Options(band_s=(1.0, 10.0))),
+    ],
+)
+def test_options_without_effect_change_nothing_and_are_told(imu, name, option, options):
+    told, plain = export(imu, name, options), export(imu, name)
+    assert told.text == plain.text
+    said = f"--{option} has no effect on the format {name}."
+    assert told.warnings == [*plain.warnings, said]
 
 
 def test_walks_are_parsed():

@@ -1,6 +1,7 @@
 import pytest
 
 from allanfit.report import format_text
+from allanfit.report._rows import coefficient_rows
 
 GYRO = """\
 gyro_x [deg/s]
@@ -93,3 +94,15 @@ def test_the_text_names_file_findings_version_and_checksum(document):
 def test_names_cannot_steer_the_terminal(document, key):
     (document if key == "recording" else document["channels"][0])[key] = "\x1b[31mred"
     assert "\x1b" not in format_text(document)
+
+
+def test_a_term_that_is_never_the_largest_says_so(document):
+    channel = document["channels"][0]
+    terms = channel["curves"]["allan"]["terms"]
+    terms["B"] = [min(each) / 2 for each in zip(terms["N"], terms["K"], strict=True)]
+    channel["coefficients"]["B"]["resolved"] = True
+    states = {row.symbol: row.state for row in coefficient_rows(channel)}
+    assert states["B"] == "resolved, never the largest"
+    # Earlier documents have no terms, from which nothing is told.
+    del channel["curves"]["allan"]["terms"]
+    assert {row.state for row in coefficient_rows(channel)} <= {"resolved", "not resolved"}

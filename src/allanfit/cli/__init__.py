@@ -7,6 +7,7 @@ usage. Data goes to stdout, messages to stderr, progress only to a terminal.
 import logging
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -49,17 +50,38 @@ from ._options import (
     Topic,
     Unit,
     check_targets,
+    refuse_other_pages,
 )
 from ._sheet import tell_left_out
 
 app = typer.Typer(
     name="allanfit",
-    help="Identify the noise of inertial sensors from still recordings.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _tell_version(asked: bool) -> bool:
+    if asked:
+        typer.echo(f"allanfit {version('allanfit')}")
+        raise typer.Exit
+    return asked
+
+
+@app.callback()
+def about(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", is_eager=True, callback=_tell_version, help="Say the version, and end."
+        ),
+    ] = False,
+) -> None:
+    """Identify the noise of inertial sensors from still recordings."""
+
+
 app.add_typer(calibrate_app, name="calibrate")
 
 
@@ -107,6 +129,7 @@ def fit(
         return
     if figure is not None:
         refuse_other_figures(figure)
+    refuse_other_pages(report)
     check_targets((json, report, figure), (recording, datasheet))
     sheet = None if datasheet is None else read_datasheet(datasheet)
     tell_left_out(datasheet)

@@ -14,7 +14,18 @@ from ..calibrate import (
     write_calibration_page,
 )
 from ..report import write_json
-from ._options import Channels, Json, Page, Rate, Sampling, Seed, Topic, Unit, check_targets
+from ._options import (
+    Channels,
+    Json,
+    Page,
+    Rate,
+    Sampling,
+    Seed,
+    Topic,
+    Unit,
+    check_targets,
+    refuse_other_pages,
+)
 from ._sheet import tell_left_out
 
 calibrate_app = typer.Typer(
@@ -48,6 +59,7 @@ def calibrate_up_down(
 
     Example: allanfit calibrate up-down up.csv down.csv --rate 100 --unit m/s^2 --gravity 9.812
     """
+    refuse_other_pages(report, figures=False)
     check_targets((json, report), (up, down, noise))
     tell_left_out(noise)
     found = up_down(
@@ -84,6 +96,7 @@ def calibrate_rate_table(
 
     Example: allanfit calibrate rate-table table.csv --unit rpm --latitude 52.5
     """
+    refuse_other_pages(report, figures=False)
     check_targets((json, report), (table,))
     found = rate_table(table, unit=unit, latitude_deg=latitude, reference=reference)
     _deliver(found, json, report)
@@ -112,6 +125,7 @@ def calibrate_multi_position(
 
     Example: allanfit calibrate multi-position means.csv --unit m/s^2 --gravity 9.812
     """
+    refuse_other_pages(report, figures=False)
     check_targets((json, report), (positions,))
     found = multi_position(
         positions,

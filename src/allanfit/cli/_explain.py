@@ -20,6 +20,7 @@ from ._options import (
     Topic,
     Unit,
     check_targets,
+    refuse_other_pages,
 )
 from ._progress import channel_by_channel, load_with_progress
 from ._sheet import tell_left_out
@@ -57,6 +58,7 @@ def explain(
 
     if figure is not None:
         refuse_other_figures(figure)
+    refuse_other_pages(report)
     check_targets((json, report, figure), (recording, simulation))
     if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")

@@ -64,21 +64,21 @@ def export(
     if writer is None:
         raise ExportError(f"The format {target!r} is not known; known are {', '.join(FORMATS)}.")
     options = options or Options()
-    _refuse_unused(target, options)
     found = read_fit(fit, channels)
     if target not in _ANY_FIT:
         _refuse_without_white_noise(found)
     exported = writer(found, options)
-    return Exported(exported.text, [printable(each) for each in exported.warnings])
+    warnings = [*exported.warnings, *_without_effect(target, options)]
+    return Exported(exported.text, [printable(each) for each in warnings])
 
 
-def _refuse_unused(target: str, options: Options) -> None:
-    """An option without effect is a misunderstanding, to be cleared up before the file is used."""
-    for choice in fields(Options):
-        changed = getattr(options, choice.name) != choice.default
-        if changed and choice.name not in _USED[target]:
-            name = choice.name.removesuffix("_s")
-            raise ExportError(f"--{name} has no effect on the format {target}: leave it out.")
+def _without_effect(target: str, options: Options) -> list[str]:
+    """A sentence for each option that the format has no use for, so that nobody counts on it."""
+    return [
+        f"--{choice.name.removesuffix('_s')} has no effect on the format {target}."
+        for choice in fields(Options)
+        if getattr(options, choice.name) != choice.default and choice.name not in _USED[target]
+    ]
 
 
 def _refuse_without_white_noise(fit: FitFile) -> None:

@@ -31,7 +31,7 @@ class Row(NamedTuple):
     field: tuple[Reading, ...]  # in the units of the field, none where the unit is not known
     si: Reading | None  # None where the user's unit is SI already, or not known
     slope: str  # what a ruler reads off the Allan deviation, "" where it is not told
-    span: str  # the averaging times at which the term is the largest, "0.01 s to 27 s", or ""
+    span: str  # where the term is the largest: "0.01 s to 27 s", "never the largest", or ""
 
     @property
     def state(self) -> str:
@@ -93,7 +93,7 @@ def _slope(channel: Mapping[str, Any], symbol: str) -> str:
 
 
 def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
-    """For each term the averaging times, first to last, at which no other term is larger."""
+    """For each term drawn the averaging times, first to last, at which no other is larger."""
     curve = channel["curves"]["allan"]
     terms = curve.get("terms") or {}
     times: dict[str, list[float]] = {}
@@ -102,7 +102,8 @@ def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
         largest = max(sizes, key=lambda symbol: sizes[symbol], default=None)
         if largest is not None and sizes[largest] > 0:
             times.setdefault(largest, []).append(tau)
-    return {
+    drawn = [symbol for symbol, values in terms.items() if any(values or ())]
+    return dict.fromkeys(drawn, "never the largest") | {
         symbol: f"{significant(taus[0], 2)} s to {significant(taus[-1], 2)} s"
         for symbol, taus in times.items()
     }
