@@ -311,7 +311,10 @@ def demo(
 def _truth_table(result: RecordingFit) -> str:
     """Truth beside estimate, and whether the 95 % interval holds it."""
     entry = result.to_dict()["channels"][0]["coefficients"]
-    lines = ["Truth of the simulation beside the estimate:"]
+    lines = [
+        "Truth of the simulation beside the estimate. These intervals are two-sided; the",
+        "limits above, after <, are one-sided and therefore a little lower.",
+    ]
     for symbol, true in TRUTH.items():
         low, high = entry[symbol]["intervals"]["0.95"]
         verdict = "inside" if low <= true <= high else "OUTSIDE"

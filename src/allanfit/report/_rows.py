@@ -206,7 +206,7 @@ def _ramp_drawn(curve: Mapping[str, Any]) -> str:
         return ""
     if curve["beside_ramp"]:
         return " and a rate ramp, which is taken out of the points"
-    return " but for a rate ramp, since none is resolved; the intervals in words allow for one"
+    return " other than a rate ramp, since none is resolved; the intervals in words allow for one"
 
 
 def sampler_sentence(channel: Mapping[str, Any]) -> str:
