@@ -129,8 +129,8 @@ def fit(
         return
     if figure is not None:
         refuse_other_figures(figure)
-    refuse_other_pages(report)
     check_targets((json, report, figure), (recording, datasheet))
+    refuse_other_pages(report)
     sheet = None if datasheet is None else read_datasheet(datasheet)
     tell_left_out(datasheet)
     if blocks and temperature == "remove":

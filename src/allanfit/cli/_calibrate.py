@@ -59,8 +59,8 @@ def calibrate_up_down(
 
     Example: allanfit calibrate up-down up.csv down.csv --rate 100 --unit m/s^2 --gravity 9.812
     """
-    refuse_other_pages(report, figures=False)
     check_targets((json, report), (up, down, noise))
+    refuse_other_pages(report, figures=False)
     tell_left_out(noise)
     found = up_down(
         up,
@@ -96,8 +96,8 @@ def calibrate_rate_table(
 
     Example: allanfit calibrate rate-table table.csv --unit rpm --latitude 52.5
     """
-    refuse_other_pages(report, figures=False)
     check_targets((json, report), (table,))
+    refuse_other_pages(report, figures=False)
     found = rate_table(table, unit=unit, latitude_deg=latitude, reference=reference)
     _deliver(found, json, report)
 
@@ -125,8 +125,8 @@ def calibrate_multi_position(
 
     Example: allanfit calibrate multi-position means.csv --unit m/s^2 --gravity 9.812
     """
-    refuse_other_pages(report, figures=False)
     check_targets((json, report), (positions,))
+    refuse_other_pages(report, figures=False)
     found = multi_position(
         positions,
         gravity=gravity,

@@ -58,8 +58,8 @@ def explain(
 
     if figure is not None:
         refuse_other_figures(figure)
-    refuse_other_pages(report)
     check_targets((json, report, figure), (recording, simulation))
+    refuse_other_pages(report)
     if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
     tell_left_out(simulation)
