@@ -1,6 +1,7 @@
 """Files that people write by hand: a mapping in JSON or YAML."""
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,8 @@ from typing import Any
 from .extras import needs
 from .recording import RecordingError
 from .recording._files import require_file
+
+_TAB_INDENT = re.compile(r"^ *\t", re.MULTILINE)
 
 
 def read_mapping(path: Path, what: str, hint: str, error: type[ValueError]) -> Mapping[str, Any]:
@@ -33,6 +36,11 @@ def read_mapping(path: Path, what: str, hint: str, error: type[ValueError]) -> M
     except (_UnreadableError, ValueError, RecursionError) as failure:
         if isinstance(failure, error):
             raise
+        if _TAB_INDENT.search(text) and not text.lstrip().startswith(("{", "[")):
+            raise error(
+                f"{path.name} has lines that begin with tabs, which YAML does not allow: indent "
+                "with spaces."
+            ) from failure
         raise error(
             f"{path.name} is neither JSON nor YAML without anchors; give {hint}."
         ) from failure

@@ -1,6 +1,7 @@
 """The command line: results, exit status, and one line for everything that goes wrong."""
 
 import json
+from importlib import metadata
 
 import numpy as np
 import pytest
@@ -46,6 +47,28 @@ def test_a_figure_of_another_format_is_refused_before_the_fit(
     assert main(["fit", str(recording), "--figure", str(tmp_path / "fit.jpg")]) == 1
     assert "end its name with .pdf, .svg or .png" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("command", "figure"),
+    [
+        (("fit", "{}"), True),
+        (("explain", "{}"), True),
+        (("calibrate", "up-down", "{}", "{}"), False),
+    ],
+)
+def test_a_page_of_another_format_is_refused(command, figure, recording, tmp_path, capsys):
+    arguments = [each.format(recording) for each in command]
+    assert main([*arguments, "--report", str(tmp_path / "fit.pdf")]) == 1
+    err = capsys.readouterr().err
+    assert "a page, whose name ends with .html or .htm, and not fit.pdf" in err
+    assert ("--figure fit.pdf makes a figure" in err) == figure
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_version_is_that_of_the_package(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"allanfit {metadata.version('allanfit')}\n"
 
 
 def test_fit_in_blocks_says_the_same(recording, tmp_path, capsys):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import allanfit
+from allanfit.cli import main
 from allanfit.coefficients import read_coefficients
 from allanfit.datasheet import DatasheetError
 from allanfit.datasheet._phrase import parse_phrase
@@ -60,6 +61,8 @@ def test_phrases_are_understood(phrase, symbol, si):
         (True, "'True' is not a number"),
         ("-1 deg/h", "must be above zero"),
         ("1e999 deg/h", "must be above zero"),
+        ("0,009 °/s/√Hz", "has a comma in its number: write a decimal point"),
+        ("1,500.5 ug", "has a comma in its number"),
     ],
 )
 def test_phrases_that_mean_nothing_are_refused(phrase, message):
@@ -71,6 +74,14 @@ def test_phrases_that_mean_nothing_are_refused(phrase, message):
     ("text", "message"),
     [
         ("gyro: {angle random wlak: 1 deg/√h}", "angle random wlak of gyro is not understood"),
+        ("gyro:\n\tnoise density: 1", "sheet.yaml has lines that begin with tabs.*with spaces"),
+        ("gyro: {noise density: 0.009}", "write 0.009 deg/s/sqrt.Hz., for example"),
+        ("accelerometer: {noise density: 60}", "write 60 ug/sqrt.Hz., for example"),
+        ("accelerometer: {velocity random walk: 0.1}", "write 0.1 m/s/sqrt.h., for example"),
+        ("gyro: {bias stability: 7}", "write 7 deg/h, for example"),
+        ("gyro: {N: {max: 0,009 °/s/√Hz}}", "has a comma in its number"),
+        ("gyro: {bias instabilty: 2 deg/h}", "if it means bias instability, write so"),
+        ("gyro: {full scale: 500 deg/s}", "says nothing of the noise of a sensor at rest.*walk"),
         ("gyro: {noise density: 60 µg/√Hz}", r"cannot be in µg/√Hz; give it in deg/sqrt\(h\)"),
         ("accelerometer: {B: 2 deg/h}", "cannot be in deg/h; give it in ug, m/s"),
         ("gyro: {noise density: 2 deg/h}", "noise density of gyro cannot be in deg/h"),
@@ -127,6 +138,29 @@ def test_a_random_walk_is_preferred_to_a_density_and_typical_to_largest(tmp_path
     )
     (gyro,) = read_coefficients(path)
     assert gyro.values["N"] == pytest.approx(DEGREE)
+
+
+def test_lines_that_are_not_about_noise_at_rest_are_left_out_with_a_sentence(tmp_path, capsys):
+    others = {
+        "zero-rate offset": "1 dps",
+        "rms noise": "0.3 deg/s at 92 Hz",
+        "full scale": "{max: 500 dps}",
+        "bandwidth": "92",
+        "bias stability (over temperature)": "30 deg/h",
+    }
+    text = "gyro:\n  bias stability: 7 deg/hr\n  Angle Random Walk (ARW): 60 deg/√h\n"
+    path = write(tmp_path, text + "".join(f"  {name}: {it}\n" for name, it in others.items()))
+    sheet = allanfit.read_datasheet(path)
+    assert [(line.symbol, line.meaning) for line in sheet.lines] == [
+        ("B", "allan_minimum"),
+        ("N", "coefficient"),
+    ]
+    told = sheet.left_out_of("gx", "gyro")
+    assert [f"In sheet.yaml, {name} of gyro is left out" in each for name, each in
+            zip(others, told, strict=True)] == [True] * 5  # fmt: skip
+    assert sheet.left_out_of("ax", "accelerometer") == []
+    assert main(["plan", str(path), "--rate", "100", "--want", "N=1%"]) == 0
+    assert capsys.readouterr().err.count("is left out") == 5
 
 
 def make_recording(*channels):

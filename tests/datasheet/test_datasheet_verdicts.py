@@ -99,7 +99,10 @@ def test_a_curve_that_still_falls_cannot_be_missed():
 
 def test_nothing_can_be_told_of_a_fit_that_did_not_converge():
     sheet, lines = judged({"N": "1 deg/√h"}, None)
-    channel = {"datasheet": datasheet_document(sheet, lines), "goodness_of_fit": {}}
+    left_out = ["In x.yaml, bandwidth of gyro is left out."]
+    document = datasheet_document(sheet, lines, left_out)
+    assert document["left_out"] == left_out
+    channel = {"datasheet": document, "goodness_of_fit": {}}
     channel["goodness_of_fit"]["consistent"] = False
     (row,) = sheet_rows(channel)
     assert (row.verdict, row.measured, row.chance) == ("cannot be told", "unknown", "unknown")

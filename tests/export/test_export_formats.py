@@ -241,15 +241,26 @@ def test_what_is_no_fit_is_refused(write_fit, make_channel, tmp_path):
         export(path, "kalman")
 
 
-def test_unknown_formats_channels_and_idle_options_are_refused(imu):
+def test_unknown_formats_and_channels_are_refused(imu):
     with pytest.raises(ExportError, match="'kalmann' is not known; known are kalman, kalibr"):
         export(imu, "kalmann")
     with pytest.raises(ExportError, match="no channel 'wx'; it has gx, gy"):
         export(imu, "kalman", channels=["wx"])
-    with pytest.raises(ExportError, match="--walk has no effect on the format matlab"):
-        export(imu, "matlab", Options(walk=10.0))
-    with pytest.raises(ExportError, match="--band has no effect on the format kalibr"):
-        export(imu, "kalibr", Options(band_s=(1.0, 10.0)))
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "options"),
+    [
+        ("matlab", "walk", Options(walk=10.0)),
+        ("yaml", "walk", Options(walk="limit")),
+        ("kalibr", "band", Options(band_s=(1.0, 10.0))),
+    ],
+)
+def test_options_without_effect_change_nothing_and_are_told(imu, name, option, options):
+    told, plain = export(imu, name, options), export(imu, name)
+    assert told.text == plain.text
+    said = f"--{option} has no effect on the format {name}."
+    assert told.warnings == [*plain.warnings, said]
 
 
 def test_walks_are_parsed():
@@ -261,10 +272,37 @@ def test_walks_are_parsed():
             parse_walk(text)
 
 
-def test_a_fit_that_does_not_hold_is_doubted(write_fit, make_channel):
-    channel = make_channel("g")
+def prose(text):
+    """The words of a file's comments or fields, whatever its lines."""
+    return " ".join(word for word in text.split() if word not in "#%")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_fit_that_does_not_hold_is_doubted_in_the_file_too(write_fit, make_channel, name):
+    channel = make_channel("gx")
     channel["goodness_of_fit"] = {"p_value": 1e-9, "consistent": False}
-    assert "do not explain g" in export(write_fit(channel), "yaml").warnings[0]
+    exported = export(write_fit(channel, make_channel("gy")), name)
+    assert "do not explain gx" in exported.warnings[0]
+    assert "run `allanfit explain` on the recording" in exported.warnings[0]
+    assert exported.warnings[0] in prose(exported.text)
+    assert "do not explain gy" not in exported.text
+    assert "do not explain" not in export(write_fit(make_channel("gx")), name).text
+
+
+def test_without_white_noise_the_advice_is_to_explain_what_the_terms_do_not(
+    write_fit, write_explained, make_channel
+):
+    channel = make_channel("g", unresolved="QRN")
+    with pytest.raises(ExportError, match="or record at a higher rate or for longer"):
+        export(write_fit(channel), "ros")
+    channel["goodness_of_fit"] = {"p_value": 1e-9, "consistent": False}
+    with pytest.raises(ExportError, match="run `allanfit explain` on the recording") as refusal:
+        export(write_fit(channel), "ros")
+    assert "for longer" not in str(refusal.value)
+    # Explained as far as may be: there is nothing left to run.
+    with pytest.raises(ExportError, match="choose other channels with --channel") as refusal:
+        export(write_explained(channel, verdict="unexplained"), "ros")
+    assert "run `allanfit" not in str(refusal.value)
 
 
 def test_the_command_writes_data_and_messages_apart(imu, tmp_path, capsys):

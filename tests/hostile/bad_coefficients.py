@@ -44,7 +44,7 @@ BAD = {
     "a number": ("5\n", "holds no coefficients"),
     "a list": ("[1, 2]\n", "holds no coefficients"),
     "two documents": ("N: 1\n---\nN: 2\n", "neither JSON nor YAML"),
-    "tabs": ("N:\t1\n\tB: 2\n", "neither JSON nor YAML"),
+    "tabs": ("N:\t1\n\tB: 2\n", "begin with tabs"),
     "a billion laughs": (_LAUGHS, "without anchors"),
     "laughs as a value": (_LAUGHS_AS_VALUE, "without anchors"),
     "deep lists": ("[" * 100_000, "nested|neither"),

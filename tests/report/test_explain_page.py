@@ -7,7 +7,7 @@ from test_report_page import OURS, Page, scripts
 
 from allanfit.report import ReportError, write_explanation
 from allanfit.report._explain_line_panel import draw_line
-from allanfit.report._explain_panels import draw_curve
+from allanfit.report._explain_panels import draw_curve, load_explained
 from allanfit.report._explain_time_panel import draw_time, has_time
 
 
@@ -142,7 +142,7 @@ def test_a_curve_has_both_models_its_effects_and_shaded_bands(explanation):
         "recording, 95 % interval",
         "five terms",
         "better model",
-        "gauss markov",
+        "Gauss-Markov",
         "sinusoid",
     ]
     assert lower.get_ylabel() == "recording / model"
@@ -152,6 +152,24 @@ def test_a_curve_has_both_models_its_effects_and_shaded_bands(explanation):
     assert line.get_width() == pytest.approx(0.012)
     assert hump.get_width() > 0.1
     assert len(lower.patches) == 2
+
+
+@pytest.mark.parametrize(("kind", "power"), [("allan", 2), ("psd", 1)])
+def test_the_parts_of_one_line_are_one_curve(explanation, kind, power):
+    channel = explanation["channels"][0]
+    effects = channel["curves"][kind]["effects"]
+    size = len(channel["curves"][kind]["model_after"])
+    effects["drifting_line"] = [3e-3] * size
+    effects["drifting_line 2"] = [4e-3] * (size - 1) + [None]
+    channel["effects"].append({**channel["effects"][0], "name": "drifting_line"})
+    curve = load_explained(channel, kind)
+    # Variances add up, and so do densities.
+    assert curve.effects["drifting line"][0] ** power == pytest.approx(3e-3**power + 4e-3**power)
+    assert curve.effects["drifting line"][-1] == pytest.approx(3e-3)
+    assert "drifting line 2" not in curve.effects
+    # Two effects of one name stay two.
+    channel["effects"].append(channel["effects"][-1])
+    assert {"drifting line", "drifting line 2"} <= set(load_explained(channel, kind).effects)
 
 
 def test_the_ratio_comes_down_to_the_band(explanation):

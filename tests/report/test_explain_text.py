@@ -77,6 +77,12 @@ def test_what_happens_in_time_is_told_in_handy_units_and_with_doubt(explanation)
     assert "or random telegraph noise: 2 % " in text
 
 
+def test_a_moment_has_one_time_and_no_size(explanation):
+    channel = explanation["channels"][1]
+    channel["mismatch"][0] |= {"low": 999.97, "high": 999.98, "ratio": 1.0}
+    assert "1. 16.7 min (time), p = 1e-8" in told(explanation, 1)
+
+
 def test_a_consistent_channel_has_its_coefficients_and_no_more(explanation):
     text = told(explanation, 2)
     assert "gyro_z [deg/s]: consistent" in text

@@ -195,7 +195,7 @@ def test_axes_are_linear_or_logarithmic(opened, fit_file, axis):
 def test_before_and_after(opened, explain_file):
     page = opened(explain_file)
     both = lines(page)
-    assert {"five terms", "better model", "gauss markov"} < set(both)
+    assert {"five terms", "better model", "Gauss-Markov"} < set(both)
     page.locator("[data-models='before']").click()
     assert lines(page) == lines(page, 1) == ["five terms", "recording, 95 % interval"]
     page.locator("[data-models='after']").click()

@@ -6,6 +6,7 @@ import pytest
 
 from allanfit.report import figure
 from allanfit.report._figures import svg
+from allanfit.report._interactive import curve_figure
 from allanfit.report._shares_panel import draw_shares
 
 
@@ -45,6 +46,17 @@ def test_a_term_that_is_not_resolved_is_dotted(document):
     allan = figure(channel).axes[0]
     assert legend(allan)[-1] == "K  rate random walk (not resolved)"
     assert allan.lines[-1].get_linestyle() == ":"
+
+
+def test_a_term_below_the_figure_is_not_in_its_legend(document):
+    channel = document["channels"][0]
+    curve = channel["curves"]["allan"]
+    # Seen down to a third of the lowest point.
+    for share, there in ((0.4, True), (0.2, False)):
+        curve["terms"]["K"] = [share * min(curve["deviation"])] * len(curve["tau_s"])
+        assert ("K  rate random walk" in legend(figure(channel).axes[0])) == there
+        traces = curve_figure(channel, "allan")["data"]
+        assert any("rate random walk" in each.get("name", "") for each in traces) == there
 
 
 def test_residuals_leave_the_band_where_the_interval_misses_the_model(document):

@@ -1,6 +1,7 @@
 import pytest
 
 from allanfit.report import format_text
+from allanfit.report._rows import coefficient_rows
 
 GYRO = """\
 gyro_x [deg/s]
@@ -43,7 +44,7 @@ def test_an_accelerometer_has_two_field_units_for_velocity_random_walk(document)
 
 def test_a_fit_that_fails_says_so(document):
     text = " ".join(format_text(document).split())
-    assert "do not explain the curves (p = 3.2e-7)" in text
+    assert "do not explain the curves (p = 3.2e-7): run `allanfit explain` on the" in text
     assert "intervals from the fast posterior, not sampled" in text
     assert "warning the least squares stopped after 200 steps" in text
 
@@ -93,3 +94,15 @@ def test_the_text_names_file_findings_version_and_checksum(document):
 def test_names_cannot_steer_the_terminal(document, key):
     (document if key == "recording" else document["channels"][0])[key] = "\x1b[31mred"
     assert "\x1b" not in format_text(document)
+
+
+def test_a_term_that_is_never_the_largest_says_so(document):
+    channel = document["channels"][0]
+    terms = channel["curves"]["allan"]["terms"]
+    terms["B"] = [min(each) / 2 for each in zip(terms["N"], terms["K"], strict=True)]
+    channel["coefficients"]["B"]["resolved"] = True
+    states = {row.symbol: row.state for row in coefficient_rows(channel)}
+    assert states["B"] == "resolved, never the largest"
+    # Earlier documents have no terms, from which nothing is told.
+    del channel["curves"]["allan"]["terms"]
+    assert {row.state for row in coefficient_rows(channel)} <= {"resolved", "not resolved"}

@@ -64,6 +64,8 @@ def test_the_effect_can_be_taken_out_of_the_main_numbers(recording, shown):
     assert channel["coefficients"] == before["coefficients_removed"]
     assert channel["temperature"]["coefficients_kept"] == before["coefficients_kept"]
     assert any("are without the effect" in finding for finding in channel["findings"])
+    assert "effect of temperature taken out" in " ".join(format_text(result).split())
+    assert "effect of temperature taken out" not in " ".join(format_text(shown).split())
 
 
 def test_temperature_can_be_left_alone(recording):
@@ -90,3 +92,56 @@ def test_text_and_page_show_it(shown, tmp_path):
     assert page.count("<svg") == 4
     assert "Slow changes beside temperature" in page
     assert "<dt>Temperature</dt>" in page
+
+
+def fitted(data, temperature, path, treatment="show"):
+    save(path, {"gyro_x": data, "temperature": temperature}, UNITS, RATE_HZ)
+    (channel,) = fit_recording(load(path), posterior=False, temperature=treatment).to_dict()[
+        "channels"
+    ]
+    return channel
+
+
+def test_a_warm_up_beside_a_free_ramp_is_told_without_nonsense(tmp_path):
+    """A slope and a ramp may each run far off: neither share nor figure may follow them there."""
+    time = TIME / TIME[-1]
+    warming = 25 + 4 * (1 - np.exp(-0.7 * time))
+    made = allanfit.simulate(
+        {"N": 5e-3, "B": 1e-3, "K": 5e-4}, duration_s=300.0, rate_hz=RATE_HZ, seed=4
+    )
+    channel = fitted(np.asarray(made), warming, tmp_path / "even.npz", "remove")
+    entry = channel["temperature"]
+    assert entry["share_of_ramp"] > 0.9
+    assert all(0 <= share <= 1 for share in entry["explained"].values())
+    effect, line = entry["sentences"][0], entry["sentences"][-1]
+    assert f"(p = {entry['p_value']:.2g})" in effect
+    assert ("No effect" in effect) == (entry["p_value"] >= 0.05)
+    assert "explains" not in effect
+    assert "can hardly be told from a rate ramp" in line
+    # Taken out although nothing stands out of the noise: it is said.
+    assert any("are without the effect" in finding for finding in channel["findings"])
+    # What is drawn leaves less than it found.
+    slow = {name: np.array(values) for name, values in entry["slow"].items()}
+    assert not entry["curve"]["beside_ramp"]
+    assert np.var(slow["residual"] - slow["effect"]) <= np.var(slow["residual"])
+
+
+def test_a_ramp_that_is_resolved_is_taken_out_of_the_points(tmp_path):
+    rng = np.random.default_rng(2)
+    step = WARM_UP - WARM_UP.mean()
+    data = 0.01 * rng.normal(size=SAMPLES) + 0.05 * step + 1e-3 * TIME
+    channel = fitted(data, WARM_UP, tmp_path / "ramp.npz")
+    entry = channel["temperature"]
+    assert entry["curve"]["beside_ramp"]
+    seen = np.array(entry["slow"]["residual"])
+    # The ramp alone moves the means by 0.3.
+    expected = 0.05 * (np.array(entry["slow"]["temperature_degC"]) - WARM_UP.mean())
+    np.testing.assert_allclose(seen, expected, atol=0.02)
+
+
+def test_digits_are_those_that_the_interval_warrants(shown):
+    (channel,) = shown["channels"]
+    low, high = channel["temperature"]["linear"]["intervals"]["0.95"]
+    place = 1 - int(np.floor(np.log10((high - low) / 2)))
+    told = f"[{low:.{place}f}, {high:.{place}f}] deg/s/degC"
+    assert told in channel["temperature"]["sentences"][0]

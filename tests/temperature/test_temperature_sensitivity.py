@@ -9,7 +9,7 @@ import allanfit
 from allanfit.curves import cosine_coefficients, design, mode_variances, slow_part
 from allanfit.temperature import temperature_sensitivity
 from allanfit.temperature._band import error_power, highest_mode
-from allanfit.temperature._regression import Modes, effects, regress, share_of_ramp
+from allanfit.temperature._regression import Modes, effects, explained, regress, share_of_ramp
 from allanfit.temperature._removal import remove
 
 RATE_HZ, SAMPLES = 10.0, 3000
@@ -173,6 +173,34 @@ def test_the_regression_is_generalised_least_squares():
     np.testing.assert_allclose(known.p_values, 2 * jax.scipy.special.ndtr(-jnp.abs(z)), rtol=1e-9)
     same = modes._replace(columns=modes.columns.at[:, 1].set(modes.columns[:, 0] + 1e-3))
     assert share_of_ramp(same, jnp.asarray(power)) > 0.99
+
+
+def test_what_is_explained_is_beside_the_straight_line_in_time():
+    """A slope that makes a line, which the free ramp takes back, explains what it bends alone."""
+    rng = np.random.default_rng(1)
+    ramp, bend, other = rng.normal(size=(3, 40))
+    columns = np.stack([ramp, 5 * ramp + bend, other], axis=1)
+    variance = np.ones((40, 4))
+    power = jnp.asarray([0.0, 1e-4, 0.0, 0.0])
+    slow = jnp.ones(40)
+
+    def fraction(response):
+        modes = Modes(*map(jnp.asarray, (response, columns, variance)))
+        part, chance = explained(jax.random.key(0), modes, slow, jnp.asarray([2.0, 0.0]), power)
+        # Two of 39 modes, of white noise: rarely more than a sixth.
+        assert 0.02 < chance < 0.25
+        return float(part)
+
+    assert fraction(2 * bend - 7 * ramp) == pytest.approx(1.0)
+    noise = rng.normal(size=40)
+    straight = np.stack([ramp], axis=1)
+
+    def rest(x):
+        return x - straight @ np.linalg.lstsq(straight, x, rcond=None)[0]
+
+    expected = 1 - np.sum(rest(noise) ** 2) / np.sum(rest(noise + 2 * bend) ** 2)
+    assert fraction(noise + 2 * bend) == pytest.approx(expected)
+    assert fraction(-bend) == 0.0
 
 
 def test_the_noise_left_is_expected_with_the_power_it_has():

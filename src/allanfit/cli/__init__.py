@@ -7,6 +7,7 @@ usage. Data goes to stdout, messages to stderr, progress only to a terminal.
 import logging
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -49,16 +50,38 @@ from ._options import (
     Topic,
     Unit,
     check_targets,
+    refuse_other_pages,
 )
+from ._sheet import tell_left_out
 
 app = typer.Typer(
     name="allanfit",
-    help="Identify the noise of inertial sensors from still recordings.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _tell_version(asked: bool) -> bool:
+    if asked:
+        typer.echo(f"allanfit {version('allanfit')}")
+        raise typer.Exit
+    return asked
+
+
+@app.callback()
+def about(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", is_eager=True, callback=_tell_version, help="Say the version, and end."
+        ),
+    ] = False,
+) -> None:
+    """Identify the noise of inertial sensors from still recordings."""
+
+
 app.add_typer(calibrate_app, name="calibrate")
 
 
@@ -107,7 +130,9 @@ def fit(
     if figure is not None:
         refuse_other_figures(figure)
     check_targets((json, report, figure), (recording, datasheet))
+    refuse_other_pages(report)
     sheet = None if datasheet is None else read_datasheet(datasheet)
+    tell_left_out(datasheet)
     if blocks and temperature == "remove":
         raise ValueError("--temperature remove needs all samples at once: leave --blocks out.")
     if blocks:
@@ -171,6 +196,7 @@ def simulate(
     Example: allanfit simulate fit.json --duration 3600 --rate 100 --seed 1 --output sim.npz
     """
     check_targets((output,), (coefficients,))
+    tell_left_out(coefficients)
     columns, units = {}, {}
     for index, entry in enumerate(read_coefficients(coefficients, channel)):
         samples = simulate_series(
@@ -211,6 +237,7 @@ def plan(
     Example: allanfit plan fit.json --rate 100 --want N=1%,B=10%,K=30%
     """
     check_targets((json,), (coefficients,))
+    tell_left_out(coefficients)
     found = plan_file(coefficients, rate, parse_want(want), channels=channel, sampling=sampling)
     if json is not None:
         write_json(found.to_dict(), json)
@@ -284,7 +311,10 @@ def demo(
 def _truth_table(result: RecordingFit) -> str:
     """Truth beside estimate, and whether the 95 % interval holds it."""
     entry = result.to_dict()["channels"][0]["coefficients"]
-    lines = ["Truth of the simulation beside the estimate:"]
+    lines = [
+        "Truth of the simulation beside the estimate. These intervals are two-sided; the",
+        "limits above, after <, are one-sided and therefore a little lower.",
+    ]
     for symbol, true in TRUTH.items():
         low, high = entry[symbol]["intervals"]["0.95"]
         verdict = "inside" if low <= true <= high else "OUTSIDE"

@@ -14,7 +14,19 @@ from ..calibrate import (
     write_calibration_page,
 )
 from ..report import write_json
-from ._options import Channels, Json, Page, Rate, Sampling, Seed, Topic, Unit, check_targets
+from ._options import (
+    Channels,
+    Json,
+    Page,
+    Rate,
+    Sampling,
+    Seed,
+    Topic,
+    Unit,
+    check_targets,
+    refuse_other_pages,
+)
+from ._sheet import tell_left_out
 
 calibrate_app = typer.Typer(
     help="Bias, scale factor and misalignment, with intervals.", no_args_is_help=True
@@ -48,6 +60,8 @@ def calibrate_up_down(
     Example: allanfit calibrate up-down up.csv down.csv --rate 100 --unit m/s^2 --gravity 9.812
     """
     check_targets((json, report), (up, down, noise))
+    refuse_other_pages(report, figures=False)
+    tell_left_out(noise)
     found = up_down(
         up,
         down,
@@ -83,6 +97,7 @@ def calibrate_rate_table(
     Example: allanfit calibrate rate-table table.csv --unit rpm --latitude 52.5
     """
     check_targets((json, report), (table,))
+    refuse_other_pages(report, figures=False)
     found = rate_table(table, unit=unit, latitude_deg=latitude, reference=reference)
     _deliver(found, json, report)
 
@@ -111,6 +126,7 @@ def calibrate_multi_position(
     Example: allanfit calibrate multi-position means.csv --unit m/s^2 --gravity 9.812
     """
     check_targets((json, report), (positions,))
+    refuse_other_pages(report, figures=False)
     found = multi_position(
         positions,
         gravity=gravity,

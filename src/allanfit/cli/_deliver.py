@@ -23,7 +23,7 @@ def deliver(
     if json is not None:
         write_json(document, json)
     if json != "-":
-        typer.echo(as_text(document))
+        typer.echo(as_text(document), nl=False)
     if report is not None:
         write_report(document, report, interactive=interactive)
         typer.echo(f"\nPage with figures: {report}", err=True)

@@ -20,8 +20,10 @@ from ._options import (
     Topic,
     Unit,
     check_targets,
+    refuse_other_pages,
 )
 from ._progress import channel_by_channel, load_with_progress
+from ._sheet import tell_left_out
 
 
 def explain(
@@ -57,8 +59,10 @@ def explain(
     if figure is not None:
         refuse_other_figures(figure)
     check_targets((json, report, figure), (recording, simulation))
+    refuse_other_pages(report)
     if simulation is not None and not simulation.exists():
         raise ValueError(f"There is no file {str(simulation)!r} to compare with.")
+    tell_left_out(simulation)
     found = load_with_progress(recording, rate, channel, unit, topic)
     with channel_by_channel("explaining", len(found.channels)) as (announce, done):
         result = explain_recording(

@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from ..report._paper import FIGURE_SUFFIXES
+
 RECORDING = "CSV, NPY, NPZ, Parquet, MAT, HDF5, ROS bag, MCAP or ULog file of a still sensor."
 
 Channels = Annotated[
@@ -44,6 +46,25 @@ Sampling = Annotated[
     Literal["point", "averaged"],
     typer.Option(help="Whether a sample is a value at an instant or a mean over the interval."),
 ]
+
+
+_PAGES = (".html", ".htm")
+
+
+def refuse_other_pages(report: Path | None, *, figures: bool = True) -> None:
+    """Find out before the work that a page is to go to a file of another format.
+
+    **Raises** `ValueError` for a name with the ending of another format; `figures` is whether the
+    command has `--figure`, which may be what was meant.
+    """
+    ending = "" if report is None else report.suffix.lower()
+    if report is None or ending in ("", *_PAGES):
+        return
+    meant = figures and ending in FIGURE_SUFFIXES
+    raise ValueError(
+        f"--report writes a page, whose name ends with {' or '.join(_PAGES)}, and not "
+        f"{report.name}{f'; --figure {report.name} makes a figure' if meant else ''}."
+    )
 
 
 def check_targets(targets: Sequence[str | Path | None], inputs: Sequence[Path | None]) -> None:

@@ -12,5 +12,6 @@ from ._phrase import DatasheetError as DatasheetError
 from ._read import Datasheet as Datasheet
 from ._read import datasheet_from as datasheet_from
 from ._read import is_datasheet as is_datasheet
+from ._read import left_out_of as left_out_of
 from ._read import read_datasheet as read_datasheet
 from ._words import Line as Line

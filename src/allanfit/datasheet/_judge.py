@@ -86,13 +86,16 @@ def judge(lines: Sequence[Line], shown: Shown | None) -> tuple[Judged, ...]:
     return tuple(_judged(line, shown) for line in lines)
 
 
-def datasheet_document(sheet: Datasheet, judged: Sequence[Judged]) -> dict[str, Any]:
+def datasheet_document(
+    sheet: Datasheet, judged: Sequence[Judged], left_out: Sequence[str] = ()
+) -> dict[str, Any]:
     """The `datasheet` of a channel in the fit JSON."""
     return {
         "file": sheet.file,
         "sensor": sheet.sensor,
         "source": sheet.source,
         "lines": [each.to_dict() for each in judged],
+        "left_out": list(left_out),
     }
 
 

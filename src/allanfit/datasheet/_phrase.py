@@ -29,16 +29,18 @@ class Quantity(NamedTuple):
         return self.number * self.measured.factor
 
 
-def parse_phrase(phrase: object) -> Quantity:
-    """The quantity that a phrase states.
+def parse_phrase(phrase: object, example: str = "deg/sqrt(h)") -> Quantity:
+    """The quantity that a phrase states; `example` is a unit for it, for messages.
 
     **Raises** `DatasheetError` for what is no positive number with a unit of a coefficient.
     """
     text = str(phrase).strip()
     found = None if isinstance(phrase, bool) else _PHRASE.fullmatch(text)
     if found is None:
-        raise DatasheetError(f"{text!r} is not a number with a unit; write 0.15 deg/sqrt(h)")
+        raise DatasheetError(f"{text!r} is not a number with a unit; write 0.15 {example}")
     number, unit = float(found[1]), found[2].strip()
+    if unit[:1] == "," and unit[1:2].isdigit():
+        raise DatasheetError(f"{text!r} has a comma in its number: write a decimal point")
     if not (math.isfinite(number) and number > 0):
         raise DatasheetError(f"{text!r} must be above zero")
     if _BANDWIDTH.search(unit):
@@ -48,7 +50,7 @@ def parse_phrase(phrase: object) -> Quantity:
         )
     unit = _STANDARD_DEVIATION.sub("", unit).strip()
     if not unit:
-        raise DatasheetError(f"{text!r} has no unit; write {text} deg/sqrt(h), for example")
+        raise DatasheetError(f"{text!r} has no unit; write {text} {example}, for example")
     measured = measured_by(unit)
     if measured is None:
         raise DatasheetError(f"the unit {unit!r} is not known; {_understood()}")

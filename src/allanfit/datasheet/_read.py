@@ -3,17 +3,26 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from ..coefficient_units import UNITS
 from ..mapping_file import read_mapping
 from ..recording import Channel, Recording
 from ._phrase import DatasheetError, parse_phrase, units_of
-from ._words import SENSES, Bound, Line, Sense, meanings_of
+from ._words import SENSES, Bound, Line, Sense, meanings_of, nearest, sense_of
 
 _HINT = "sections such as `gyro: {angle random walk: 0.15 deg/sqrt(h)}`"
 _ABOUT = ("sensor", "source")
 _BOUNDS: tuple[Bound, ...] = get_args(Bound)
+# Words as much alike as this are the same words misspelt; from the lesser on they may be meant.
+_MISSPELT, _SIMILAR = 0.88, 0.75
+
+
+class LeftOut(NamedTuple):
+    """A line of a data sheet that is not about the noise of a sensor at rest."""
+
+    section: str
+    sentence: str
 
 
 @dataclass(frozen=True)
@@ -26,6 +35,11 @@ class Datasheet:
     source: str
     """Where the numbers come from, or nothing."""
     lines: tuple[Line, ...]
+    left_out: tuple[LeftOut, ...] = ()
+
+    def left_out_of(self, name: str, kind: str) -> list[str]:
+        """A sentence for each line about a channel, or its kind, that is left out."""
+        return [each.sentence for each in self.left_out if each.section in (name, kind)]
 
     def of(self, name: str, kind: str) -> tuple[Line, ...]:
         """The lines about a channel: those under its name, or else those about its kind."""
@@ -73,7 +87,8 @@ def read_datasheet(path: str | Path) -> Datasheet:
 
     A section is `gyro`, `accelerometer` or a channel's name. A line is a number with its unit,
     typical unless it says `max`; `as` overrides how the words are read, as in
-    `{typical: 4 mdps/√Hz, as: coefficient}`.
+    `{typical: 4 mdps/√Hz, as: coefficient}`. What is not about the noise of a sensor at rest, such
+    as a bandwidth, is left out, and `left_out` has a sentence for it.
 
     **Raises** `DatasheetError` if the file is missing or something in it is not understood.
     """
@@ -93,34 +108,68 @@ def datasheet_from(document: Mapping[str, Any], file: str) -> Datasheet:
     **Raises** `DatasheetError` if something in it is not understood.
     """
     lines: list[Line] = []
+    left_out: list[LeftOut] = []
     for section, content in document.items():
         if section in _ABOUT:
             continue
         if not isinstance(content, Mapping) or not content:
             raise DatasheetError(f"{section!r} in {file} has no lines; give {_HINT}.")
         for words, stated in content.items():
-            lines += _lines(str(section), str(words), stated, file)
+            place = f"In {file}, {words} of {section}"
+            sense = sense_of(str(words))
+            if sense is None:
+                left_out.append(LeftOut(str(section), _left_out(str(words), place)))
+            else:
+                lines += _lines(str(section), str(words), sense, stated, place)
         kinds = {line.kind: line.unit for line in lines if line.section == str(section)}
         if len(kinds) > 1:
             raise DatasheetError(
                 f"{section!r} in {file} mixes {' and '.join(kinds.values())}; give a gyro and an "
                 "accelerometer a section each."
             )
+    if left_out and not lines:
+        known = ", ".join(word for word in SENSES if len(word) > 3)
+        raise DatasheetError(
+            f"{file} says nothing of the noise of a sensor at rest in words that are known; write "
+            f"a symbol or one of {known}."
+        )
     if not lines:
         raise DatasheetError(f"{file} holds no data sheet; give {_HINT}.")
     sensor, source = (str(document.get(key) or "") for key in _ABOUT)
-    return Datasheet(file, sensor, source, tuple(lines))
+    return Datasheet(file, sensor, source, tuple(lines), tuple(left_out))
 
 
-def _lines(section: str, words: str, stated: Any, file: str) -> Iterator[Line]:
-    place = f"In {file}, {words} of {section}"
-    sense = SENSES.get(" ".join(words.lower().replace("in run", "in-run").split()))
-    if sense is None:
-        known = ", ".join(word for word in SENSES if len(word) > 3)
-        raise DatasheetError(f"{place} is not understood; write a symbol or one of {known}.")
+def left_out_of(path: str | Path) -> tuple[str, ...]:
+    """A sentence for each line that is left out of a file, if it is a data sheet at all."""
+    path = Path(path)
+    if path.suffix.lower() not in (".yaml", ".yml", ".json"):
+        return ()
+    try:
+        document = read_mapping(path, "data sheet", _HINT, DatasheetError)
+        sheet = datasheet_from(document, path.name) if is_datasheet(document) else None
+    except DatasheetError:
+        return ()
+    return () if sheet is None else tuple(each.sentence for each in sheet.left_out)
+
+
+def _left_out(words: str, place: str) -> str:
+    """Why a line is left out.
+
+    **Raises** `DatasheetError` if it looks like a misspelt one that would be read.
+    """
+    known, alike = nearest(words)
+    if alike >= _MISSPELT:
+        raise DatasheetError(f"{place} is not understood; if it means {known}, write so.")
+    meant = f"; if it means {known}, write so" if alike >= _SIMILAR else ""
+    return f"{place} is left out: it is not known as noise of a sensor at rest{meant}."
+
+
+def _lines(section: str, words: str, sense: Sense, stated: Any, place: str) -> Iterator[Line]:
     given = dict(stated) if isinstance(stated, Mapping) else {"typical": stated}
     sense = _overridden(sense, given.pop("as", sense.meaning), place)
     unknown = sorted(str(key) for key in set(given) - set(_BOUNDS))
+    if unknown and unknown[0][:1].isdigit():
+        raise DatasheetError(f"{place} has a comma in its number: write a decimal point.")
     if unknown or not given:
         raise DatasheetError(
             f"{place} has {unknown[0] if unknown else 'no number'}; give typical or max, and as."
@@ -128,6 +177,14 @@ def _lines(section: str, words: str, stated: Any, file: str) -> Iterator[Line]:
     for bound in _BOUNDS:
         if bound in given:
             yield _line(section, words, sense, bound, given[bound], place)
+
+
+def _example(section: str, sense: Sense) -> str:
+    """A unit for a line of this kind, for a message."""
+    kind = "accelerometer" if section == "accelerometer" else "gyro"
+    if sense.meaning == "one_sided_density":
+        return {"gyro": "deg/s/sqrt(Hz)", "accelerometer": "ug/sqrt(Hz)"}[kind]
+    return UNITS[kind][sense.symbol].field[0]
 
 
 def _overridden(sense: Sense, meaning: Any, place: str) -> Sense:
@@ -141,7 +198,7 @@ def _overridden(sense: Sense, meaning: Any, place: str) -> Sense:
 
 def _line(section: str, words: str, sense: Sense, bound: Bound, phrase: Any, place: str) -> Line:
     try:
-        quantity = parse_phrase(phrase)
+        quantity = parse_phrase(phrase, _example(section, sense))
     except DatasheetError as error:
         raise DatasheetError(f"{place}: {error}.") from error
     measured = quantity.measured

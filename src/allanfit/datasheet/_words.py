@@ -11,7 +11,9 @@ Three readings of a number x, which differ by more than most sensors do:
 """
 
 import math
+import re
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from typing import Literal, NamedTuple, get_args
 
 from ..physics import STANDARD_TERMS
@@ -22,6 +24,7 @@ Bound = Literal["typical", "max"]
 #: Allan deviation of flicker alone over B (IEEE Std 952, annex C, bias instability).
 FLICKER_FLOOR = math.sqrt(2 * math.log(2) / math.pi)
 
+_BESIDE = re.compile(r"(.*\S) ?\((.*)\)")
 _MEANINGS_OF: dict[str, tuple[Meaning, ...]] = {
     "N": ("coefficient", "one_sided_density"),
     "B": ("coefficient", "allan_minimum"),
@@ -53,6 +56,7 @@ _SPOKEN: dict[Sense, tuple[str, ...]] = {
         "bias instability",
         "in-run bias instability",
         "in-run bias stability",
+        "bias stability",
     ),
     Sense("K", "coefficient"): ("rrw",),
     Sense("R", "coefficient"): ("drift rate ramp",),
@@ -66,6 +70,35 @@ SENSES: dict[str, Sense] = {
     },
     **{word: sense for sense, words in _SPOKEN.items() for word in words},
 }
+
+
+def sense_of(words: str) -> Sense | None:
+    """What the words of a line mean; None where they are not known.
+
+    An abbreviation may stand beside the words: angle random walk (ARW).
+    """
+    plain = _plain(words)
+    beside = _BESIDE.fullmatch(plain)
+    if beside is None:
+        return SENSES.get(plain)
+    meant = SENSES.get(beside[1])
+    # Any other remark may change the meaning, as `over temperature` does.
+    return meant if meant is not None and SENSES.get(beside[2]) == meant else None
+
+
+def nearest(words: str) -> tuple[str, float]:
+    """The known words that are most like these, and how much, 0 to 1."""
+    alike = {
+        known: SequenceMatcher(None, _plain(words), known).ratio()
+        for known in SENSES
+        if len(known) > 1
+    }
+    best = max(alike, key=lambda known: alike[known])
+    return best, alike[best]
+
+
+def _plain(words: str) -> str:
+    return " ".join(words.lower().replace("in run", "in-run").split())
 
 
 def meanings_of(symbol: str) -> tuple[Meaning, ...]:

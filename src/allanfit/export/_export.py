@@ -5,6 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from ..report._format import printable
+from ._doubts import no_white_noise
 from ._errors import ExportError
 from ._exported import Exported
 from ._imu_error_model import imu_error_model
@@ -63,34 +64,25 @@ def export(
     if writer is None:
         raise ExportError(f"The format {target!r} is not known; known are {', '.join(FORMATS)}.")
     options = options or Options()
-    _refuse_unused(target, options)
     found = read_fit(fit, channels)
     if target not in _ANY_FIT:
         _refuse_without_white_noise(found)
     exported = writer(found, options)
-    doubts = [
-        f"The five terms{' and what explain names' if channel.effects else ''} do not explain "
-        f"{channel.name}: its numbers describe it in part only."
-        for channel in found.channels
-        if not channel.consistent
+    warnings = [*exported.warnings, *_without_effect(target, options)]
+    return Exported(exported.text, [printable(each) for each in warnings])
+
+
+def _without_effect(target: str, options: Options) -> list[str]:
+    """A sentence for each option that the format has no use for, so that nobody counts on it."""
+    return [
+        f"--{choice.name.removesuffix('_s')} has no effect on the format {target}."
+        for choice in fields(Options)
+        if getattr(options, choice.name) != choice.default and choice.name not in _USED[target]
     ]
-    return Exported(exported.text, [printable(each) for each in [*doubts, *exported.warnings]])
-
-
-def _refuse_unused(target: str, options: Options) -> None:
-    """An option without effect is a misunderstanding, to be cleared up before the file is used."""
-    for choice in fields(Options):
-        changed = getattr(options, choice.name) != choice.default
-        if changed and choice.name not in _USED[target]:
-            name = choice.name.removesuffix("_s")
-            raise ExportError(f"--{name} has no effect on the format {target}: leave it out.")
 
 
 def _refuse_without_white_noise(fit: FitFile) -> None:
     for channel in fit.channels:
         term = channel.coefficients["N"]
         if not (term.resolved and term.value > 0):
-            raise ExportError(
-                f"N of {channel.name} is not resolved, and a filter cannot do without: choose "
-                "other channels with --channel, or record at a higher rate or for longer."
-            )
+            raise ExportError(no_white_noise(fit, channel))

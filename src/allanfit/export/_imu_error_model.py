@@ -28,7 +28,7 @@ def imu_error_model(fit: FitFile, options: Options) -> Exported:
 
     **Raises:** `ExportError` without gyro and accelerometer, or with different rates.
     """
-    found, notes = sensors(fit.channels, "imu-error-model")
+    found, notes = sensors(fit, "imu-error-model")
     rate_hz = next(iter(found.values())).rate_hz
     lines = [
         *comment(f"imu-error-model profile from {fit.recording}, written by allanfit."),

@@ -20,7 +20,7 @@ def kalibr(fit: FitFile, options: Options) -> Exported:
     **Raises:** `ExportError` without gyro and accelerometer, with different rates, or where no
     random walk is resolved and none was chosen.
     """
-    found, notes = sensors(fit.channels, "Kalibr")
+    found, notes = sensors(fit, "Kalibr")
     walks = {kind: each.required_walk(options, "Kalibr") for kind, each in found.items()}
     first = next(iter(found.values()))
     lines = [

@@ -5,6 +5,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from ..report._format import printable
+from ._doubts import doubts
 from ._effect_parts import STATES, effect_entries, left_out
 from ._errors import ExportError
 from ._exported import Exported
@@ -59,9 +61,12 @@ def kalman(fit: FitFile, options: Options) -> Exported:
         realise(channel, options.band_s, walk_limit=options.walk == LIMIT)
         for channel in fit.channels
     ]
+    rates = {channel.rate_hz for channel in fit.channels}
+    warnings = [*doubts(fit, fit.channels), *_warnings(fit.channels, options, len(rates))]
     document = {
         "schema": SCHEMA,
         "recording": fit.recording,
+        "warnings": [printable(each) for each in warnings],
         "conventions": _CONVENTIONS,
         "units": _UNITS,
         "channels": [
@@ -69,10 +74,9 @@ def kalman(fit: FitFile, options: Options) -> Exported:
             for channel, each in zip(fit.channels, realised, strict=True)
         ],
     }
-    rates = {channel.rate_hz for channel in fit.channels}
     if len(fit.channels) > 1 and len(rates) == 1:
         document["stacked"] = _stacked_entry(fit.channels, realised)
-    return Exported(_compact(document), _warnings(fit.channels, options, len(rates)))
+    return Exported(_compact(document), warnings)
 
 
 def _stacked_entry(channels: Sequence[FitChannel], realised: Sequence[Realised]) -> dict[str, Any]:

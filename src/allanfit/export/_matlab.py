@@ -29,7 +29,7 @@ def matlab(fit: FitFile, options: Options) -> Exported:
 
     **Raises:** `ExportError` without gyro and accelerometer, or with different rates.
     """
-    found, notes = sensors(fit.channels, "imuSensor")
+    found, notes = sensors(fit, "imuSensor")
     first = next(iter(found.values()))
     flat_to = (options.band_s or default_band(first.axes[0]))[1]
     needed = math.ceil(flat_to * first.rate_hz / _SAMPLES_A_POLE)

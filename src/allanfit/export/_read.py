@@ -15,7 +15,8 @@ from ..recording._units import parse_unit
 from ..report._format import printable
 from ._errors import ExportError
 
-_SCHEMAS = ("allanfit.fit/", "allanfit.explain/")
+_EXPLAIN_SCHEMA = "allanfit.explain/"
+_SCHEMAS = ("allanfit.fit/", _EXPLAIN_SCHEMA)
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,8 @@ class FitFile:
 
     recording: str
     channels: list[FitChannel]
+    explained: bool = False
+    """Whether it is of explain, which has looked for what the five terms leave out."""
 
 
 def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
@@ -133,7 +136,8 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
         raise ExportError(f"{name} has no channel {missing[0]!r}; it has {', '.join(known)}.")
     if not found:
         raise ExportError(f"{name} has no channels; fit a recording that has some.")
-    return FitFile(recording, [each for each in found if not channels or each.name in channels])
+    kept = [each for each in found if not channels or each.name in channels]
+    return FitFile(recording, kept, schema.startswith(_EXPLAIN_SCHEMA))
 
 
 def _no_fit(name: str) -> str:

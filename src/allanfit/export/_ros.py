@@ -28,7 +28,7 @@ def ros(fit: FitFile, options: Options) -> Exported:
     random walk is resolved and none was chosen.
     """
     what = "a ROS estimator"
-    found, notes = sensors(fit.channels, what)
+    found, notes = sensors(fit, what)
     walks = {kind: each.required_walk(options, what) for kind, each in found.items()}
     rate_hz = next(iter(found.values())).rate_hz
     lines = [

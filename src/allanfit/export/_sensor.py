@@ -1,15 +1,16 @@
 """One set of numbers for the axes of a gyro or an accelerometer, in SI."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..physics import BiasInstability, RateRandomWalk, WhiteNoise, coefficient_unit
 from ..report._format import printable, significant
+from ._doubts import doubts
 from ._effect_parts import left_out
 from ._errors import ExportError
 from ._options import LIMIT, Options
-from ._read import Coefficient, FitChannel
+from ._read import Coefficient, FitChannel, FitFile
 
 _ALLAN_FLOOR = 2 * math.log(2) / math.pi
 _TERMS = {"N": WhiteNoise, "B": BiasInstability, "K": RateRandomWalk}
@@ -122,12 +123,12 @@ class Sensor:
 _MEAN = "root of the mean square of the axes"
 
 
-def sensors(channels: Sequence[FitChannel], what: str) -> tuple[dict[str, Sensor], list[str]]:
-    """Gyroscope and accelerometer among the channels, and what is missing or left out.
+def sensors(fit: FitFile, what: str) -> tuple[dict[str, Sensor], list[str]]:
+    """Gyroscope and accelerometer of a fit, and what is doubtful, missing or left out.
 
     **Raises:** `ExportError` if there is neither, or if rates differ.
     """
-    found, notes = {}, []
+    found, notes, channels = {}, [], fit.channels
     for kind, name in KINDS.items():
         axes = tuple(channel for channel in channels if channel.kind == kind)
         if axes:
@@ -153,7 +154,7 @@ def sensors(channels: Sequence[FitChannel], what: str) -> tuple[dict[str, Sensor
             f"{one} has {first:g} Hz and {other} {second:g} Hz, and {what} takes one rate: choose "
             "channels of one rate with --channel."
         )
-    return found, [*notes, *left_out(known, _capital(what), frozenset())]
+    return found, [*doubts(fit, known), *notes, *left_out(known, _capital(what), frozenset())]
 
 
 def _capital(words: str) -> str:

@@ -1,6 +1,7 @@
 """Coefficients as YAML, which `allanfit simulate` and `allanfit plan` read back."""
 
 from ..physics import parameter_unit, parameter_values
+from ._doubts import doubts
 from ._exported import Exported
 from ._options import Options
 from ._read import Coefficient, FitChannel, FitFile
@@ -9,6 +10,7 @@ from ._yaml_text import comment, number, text
 
 def coefficients_yaml(fit: FitFile, options: Options) -> Exported:
     """Every coefficient of every channel with its intervals, resolved or not, to the last digit."""
+    doubtful = doubts(fit, fit.channels)
     lines = [
         *comment(f"Noise coefficients of {fit.recording}, written by allanfit."),
         *comment("Simulate with: allanfit simulate FILE --duration S --rate HZ --output FILE"),
@@ -16,12 +18,13 @@ def coefficients_yaml(fit: FitFile, options: Options) -> Exported:
             "Continuous time. One-sided densities: 2 N^2, B^2/(pi f), K^2/(2 pi^2 f^2). A ramp "
             "that is not resolved is not simulated."
         ),
+        *(line for doubt in doubtful for line in comment(doubt)),
         f"recording: {text(fit.recording)}",
         "channels:",
     ]
     for channel in fit.channels:
         lines += _channel_lines(channel)
-    return Exported("\n".join(lines) + "\n", [])
+    return Exported("\n".join(lines) + "\n", doubtful)
 
 
 def _channel_lines(channel: FitChannel) -> list[str]:

@@ -105,10 +105,9 @@ class ChannelFit:
                 self.influence, self.fit, self.channel.unit, self.channel.factor
             )
         found += self.remarks
-        if self.temperature is not None and (
-            self.temperature.claimed or self.temperature.confounded
-        ):
-            found += sentences(self.temperature, self.channel, *self._both())
+        heat = self.temperature
+        if heat is not None and (heat.claimed or heat.confounded or heat.removed):
+            found += sentences(heat, self.channel, *self._both())
         return tuple(found)
 
     @property
@@ -160,7 +159,11 @@ class ChannelFit:
             else temperature_document(self.temperature, channel, *self._both()),
             "datasheet": None
             if self.datasheet is None
-            else datasheet_document(self.datasheet, self.judged),
+            else datasheet_document(
+                self.datasheet,
+                self.judged,
+                self.datasheet.left_out_of(channel.name, channel.kind),
+            ),
             "advice": list(self.advice),
         }
 

@@ -56,12 +56,14 @@ def sheet_title(channel: Mapping[str, Any]) -> str:
 
 
 def sheet_notes(channel: Mapping[str, Any]) -> list[str]:
-    """How the words were read, what another reading would change, and whether the model holds."""
+    """How words were read, what another reading would change, and what cannot be compared."""
     lines = channel["datasheet"]["lines"]
     notes = [_note(line) for line in lines if line["as"] != "coefficient"]
     modelled = any(line["from"] == "posterior" for line in lines)
     if modelled and channel["goodness_of_fit"]["consistent"] is False:
         notes.append(_MISFIT)
+    # Documents of earlier versions leave nothing out.
+    notes += [printable(each) for each in channel["datasheet"].get("left_out", ())]
     return list(dict.fromkeys(notes))
 
 

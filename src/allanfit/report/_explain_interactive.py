@@ -112,7 +112,7 @@ def _band(curve: ExplainedCurve) -> list[dict[str, Any]]:
 
 def _effects(curve: ExplainedCurve, bottom: float) -> list[dict[str, Any]]:
     traces = []
-    for index, (name, values) in enumerate(curve.effects.items()):
+    for index, (name, values) in enumerate(curve.effects_in_sight().items()):
         colour = EFFECT_COLOURS[index % len(EFFECT_COLOURS)]
         dash = _EFFECT_DASHES[index % len(_EFFECT_DASHES)]
         # A line in one bin has zeros beside it, and would show as no line at all.

@@ -12,7 +12,7 @@ from ._format import significant
 from ._panels import DATA_COLOUR, positive, say_empty, style
 from ._units import squared_per_hertz, typeset
 
-_SIZE_INCHES = (2.7, 2.3)
+_SIZE_INCHES = (2.9, 2.3)
 _NARROW_HZ = 0.5
 
 
@@ -26,7 +26,7 @@ def draw_line(line: Mapping[str, Any], unit: str) -> Figure:
     with style():
         sheet = Figure(figsize=_SIZE_INCHES)
         axes = sheet.subplots()
-        sheet.subplots_adjust(left=0.21, right=0.965, bottom=0.18, top=0.9)
+        sheet.subplots_adjust(left=0.27, right=0.965, bottom=0.18, top=0.9)
         axes.set_title(f"{significant(line['line_hz'], 6)} Hz")
         axes.set_xlabel(f"frequency less this [{'mHz' if narrow else 'Hz'}]")
         axes.set_ylabel(f"density [{typeset(squared_per_hertz(unit))}]", parse_math=False)

@@ -1,5 +1,7 @@
 """Drawing a curve with both models, and the ratio of recording to model below it."""
 
+import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -9,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
+from ._explain_words import label
 from ._panels import (
     BAND_COLOUR,
     BAR_COLOUR,
@@ -25,6 +28,7 @@ from ._panels import (
 BEFORE: dict[str, Any] = {"color": "#D55E00", "linestyle": "--"}
 AFTER: dict[str, Any] = {"color": "#0072B2", "linestyle": "-"}
 SHADE: dict[str, Any] = {"color": "#F0E442", "alpha": 0.45, "linewidth": 0}
+_NUMBERED = re.compile(r" \d+$")
 EFFECT_COLOURS = ("#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 _HEIGHTS = (2.1, 1.3)
 _NUMBERS_INCHES = 0.12
@@ -57,6 +61,11 @@ class ExplainedCurve(NamedTuple):
             (float(np.nanmin(levels)) / _ROOM_BELOW_DATA, float(top)),
         )
 
+    def effects_in_sight(self) -> dict[str, np.ndarray]:
+        """The effects that are within the limits anywhere."""
+        _, (bottom, _) = self.limits()
+        return {name: each for name, each in self.effects.items() if np.nanmax(each) > bottom}
+
     def ratio_range(self) -> tuple[float, float]:
         """The smallest and the largest ratio of recording to model, and one."""
         ratios = np.concatenate([self.data / self.before, self.data / self.after, [1.0]])
@@ -74,13 +83,33 @@ def load_explained(channel: Mapping[str, Any], kind: str) -> ExplainedCurve:
     if channel["verdict"] == "consistent":
         after = np.full(size, np.nan)  # there is no better model
     low, high = (positive(each, size) for each in entry.get("band_95") or (None, None))
-    effects = {
-        name.replace("_", " "): positive(values, size)
-        for name, values in (entry.get("effects") or {}).items()
-    }
-    effects = {name: values for name, values in effects.items() if np.isfinite(values).any()}
+    parts = {name: positive(values, size) for name, values in (entry.get("effects") or {}).items()}
+    effects = _whole_effects(channel, kind, parts)
     labels = axis_labels(kind, channel["unit"])
     return ExplainedCurve(x, data, before, after, low, high, effects, *labels)
+
+
+def _whole_effects(
+    channel: Mapping[str, Any], kind: str, parts: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The curves of effects by their names in a legend, only those that show anything.
+
+    A numbered part of an effect that is named once, as of a line that wanders, adds to the others.
+    """
+    named = Counter(each["name"] for each in channel["effects"])
+    power = 2 if kind == "allan" else 1
+    found: dict[str, np.ndarray] = {}
+    for part, values in parts.items():
+        if not np.isfinite(values).any():
+            continue
+        whole = _NUMBERED.sub("", part)
+        name = label(whole if named[whole] == 1 else part)
+        if name in found:
+            both = np.nan_to_num([found[name], values]) ** power
+            found[name] = positive((both.sum(axis=0) ** (1 / power)).tolist(), len(values))
+        else:
+            found[name] = values
+    return found
 
 
 def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
@@ -112,7 +141,7 @@ def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
         ):
             if np.isfinite(model).any():
                 (handles[name],) = upper.plot(x, model, zorder=order, **look)
-        for index, (name, effect) in enumerate(curve.effects.items()):
+        for index, (name, effect) in enumerate(curve.effects_in_sight().items()):
             colour = EFFECT_COLOURS[index % len(EFFECT_COLOURS)]
             # A line in one bin has zeros beside it, and would show as no line at all.
             shown = np.where(np.isfinite(effect), effect, along[0] / 1e3)

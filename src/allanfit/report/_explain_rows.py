@@ -84,7 +84,7 @@ def mismatch_rows(channel: Mapping[str, Any]) -> list[Mismatch]:
             number=number,
             domain=_DOMAINS[entry["domain"]],
             where=_span(entry),
-            size="" if entry["ratio"] is None else f"\N{MULTIPLICATION SIGN} {_ratio(entry)}",
+            size=_size(entry),
             p_value=probability(entry["p_value"]),
             sentence=entry["sentence"],
             cause=_cause(entry),
@@ -93,14 +93,20 @@ def mismatch_rows(channel: Mapping[str, Any]) -> list[Mismatch]:
     ]
 
 
-def _ratio(entry: Mapping[str, Any]) -> str:
-    return significant(entry["ratio"], 2 if abs(entry["ratio"] - 1) > 0.1 else 3)
+def _size(entry: Mapping[str, Any]) -> str:
+    """How many times the model the recording is, "" where it is as large, as beside a step."""
+    ratio = entry["ratio"]
+    if ratio is None or ratio == 1:
+        return ""
+    shown = significant(ratio, 2 if abs(ratio - 1) > 0.1 else 3)
+    return f"\N{MULTIPLICATION SIGN} {shown}"
 
 
 def _span(entry: Mapping[str, Any]) -> str:
     low, high = entry["low"], entry["high"]
     if entry["domain"] == "time":
-        return f"{duration(low)} to {duration(high)}"
+        first, last = duration(low), duration(high)
+        return first if first == last else f"{first} to {last}"
     # As many digits as it takes to tell the two ends apart.
     gap = abs(high - low)
     digits = 3 if gap <= 0 else min(max(3, math.ceil(math.log10(high / gap)) + 1), 9)

@@ -27,6 +27,16 @@ _WORDS = {
 }
 
 
+# Names of effects in a legend that are names of people too.
+_LABELS = {"gauss_markov": "Gauss-Markov"}
+
+
+def label(name: str) -> str:
+    """An effect's name in a legend: "drifting line 2" for the second `drifting_line`."""
+    effect, space, number = name.partition(" ")
+    return _LABELS.get(effect, effect.replace("_", " ")) + space + number
+
+
 def words(name: str) -> str:
     """An effect's name as a phrase: "a sinusoid" for `sinusoid`."""
     return _WORDS.get(name, name.replace("_", " "))

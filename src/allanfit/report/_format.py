@@ -65,11 +65,18 @@ def significant(number: Number | None, digits: int = 4) -> str:
     return _characters(rounded, _is_scientific(rounded))
 
 
-def reading(value: Number | None, interval: Sequence[Number | None] | None, unit: str) -> Reading:
+def reading(
+    value: Number | None,
+    interval: Sequence[Number | None] | None,
+    unit: str,
+    *,
+    signed: bool = False,
+) -> Reading:
     """A value with its interval, both in `unit`.
 
     A number that would be rounded to zero beside a much larger one keeps two digits of its own,
-    since a printed zero would claim what the data cannot show.
+    since a printed zero would claim what the data cannot show; not so one that is `signed`, of
+    which zero is as good a value as its neighbours.
     """
     if value is None or not math.isfinite(value):
         return Reading("undefined", "", unit)
@@ -82,6 +89,8 @@ def reading(value: Number | None, interval: Sequence[Number | None] | None, unit
 
     def at_common_place(number: Decimal) -> str:
         rounded = _rounded(number, place)
+        if signed and not rounded:
+            return "0"
         if number and not rounded:
             own = _rounded(number, number.adjusted() - _SIGNIFICANT + 1)
             return _characters(own, _is_scientific(own))

@@ -55,9 +55,7 @@ def _terms(
 ) -> list[dict[str, Any]]:
     """A line for each term, and its letter on the line."""
     traces = []
-    for symbol, values in curve.terms.items():
-        if not np.isfinite(values).any():
-            continue
+    for symbol, values in curve.terms_in_sight().items():
         resolved = coefficients[symbol]["resolved"]
         doubt = "" if resolved else " (not resolved)"
         dash = _DASHES.get(symbol, "dash") if resolved else _DOTS

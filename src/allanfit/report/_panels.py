@@ -80,6 +80,15 @@ class Curve(NamedTuple):
     x_label: str
     y_label: str
 
+    def terms_in_sight(self) -> dict[str, np.ndarray]:
+        """The terms that are within the limits of the figure anywhere."""
+        _, (bottom, _) = curve_limits(self)
+        return {
+            name: values
+            for name, values in self.terms.items()
+            if np.isfinite(values).any() and np.nanmax(values) > bottom
+        }
+
     def residual(self) -> np.ndarray:
         """log(data / model) in standard deviations: beyond 1.96 where the band misses the model.
 
@@ -188,15 +197,14 @@ def _draw_curve(axes: Axes, curve: Curve, coefficients: Mapping[str, Any]) -> No
     axes.set_xlim(across)
     axes.set_ylim(along)
     lines = {}
-    for name, values in curve.terms.items():
-        if np.isfinite(values).any():
-            (lines[name],) = axes.plot(
-                curve.x,
-                values,
-                color=COLOURS.get(name, "black"),
-                linestyle="--" if coefficients[name]["resolved"] else ":",
-                zorder=2.5,
-            )
+    for name, values in curve.terms_in_sight().items():
+        (lines[name],) = axes.plot(
+            curve.x,
+            values,
+            color=COLOURS.get(name, "black"),
+            linestyle="--" if coefficients[name]["resolved"] else ":",
+            zorder=2.5,
+        )
     label_lines(axes, lines, obstacles=(points, fit))
     handles = {"data, 95 % interval": (bars, points), "fit": fit}
     for name, line in lines.items():

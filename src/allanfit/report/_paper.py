@@ -10,16 +10,16 @@ from ..whole_file import replacing
 from ._errors import ReportError, report_extra
 from ._figures import UNDATED
 
-_SUFFIXES = (".pdf", ".svg", ".png")
+FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 _DOTS_PER_INCH = 600
 
 
 def refuse_other_figures(target: str | os.PathLike[str]) -> None:
     """**Raises** `ReportError` for a name that ends in no format of figures."""
-    if Path(target).suffix.lower() not in _SUFFIXES:
+    if Path(target).suffix.lower() not in FIGURE_SUFFIXES:
         raise ReportError(
             f"Cannot tell the format of the figure {os.fspath(target)!r}: "
-            f"end its name with {', '.join(_SUFFIXES[:-1])} or {_SUFFIXES[-1]}."
+            f"end its name with {', '.join(FIGURE_SUFFIXES[:-1])} or {FIGURE_SUFFIXES[-1]}."
         )
 
 

@@ -31,7 +31,7 @@ class Row(NamedTuple):
     field: tuple[Reading, ...]  # in the units of the field, none where the unit is not known
     si: Reading | None  # None where the user's unit is SI already, or not known
     slope: str  # what a ruler reads off the Allan deviation, "" where it is not told
-    span: str  # the averaging times at which the term is the largest, "0.01 s to 27 s", or ""
+    span: str  # where the term is the largest: "0.01 s to 27 s", "never the largest", or ""
 
     @property
     def state(self) -> str:
@@ -93,7 +93,7 @@ def _slope(channel: Mapping[str, Any], symbol: str) -> str:
 
 
 def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
-    """For each term the averaging times, first to last, at which no other term is larger."""
+    """For each term drawn the averaging times, first to last, at which no other is larger."""
     curve = channel["curves"]["allan"]
     terms = curve.get("terms") or {}
     times: dict[str, list[float]] = {}
@@ -102,14 +102,15 @@ def _largest_spans(channel: Mapping[str, Any]) -> dict[str, str]:
         largest = max(sizes, key=lambda symbol: sizes[symbol], default=None)
         if largest is not None and sizes[largest] > 0:
             times.setdefault(largest, []).append(tau)
-    return {
+    drawn = [symbol for symbol, values in terms.items() if any(values or ())]
+    return dict.fromkeys(drawn, "never the largest") | {
         symbol: f"{significant(taus[0], 2)} s to {significant(taus[-1], 2)} s"
         for symbol, taus in times.items()
     }
 
 
 def description(channel: Mapping[str, Any]) -> str:
-    """What the channel is: its kind, rate, length, mean, and how it was taken to be sampled."""
+    """What the channel is: kind, rate, length, mean, sampling, and what was taken out of it."""
     parts = [
         *([channel["kind"]] if channel["kind"] != "other" else []),
         f"{significant(channel['rate_hz'], 6)} Hz",
@@ -117,19 +118,27 @@ def description(channel: Mapping[str, Any]) -> str:
         duration(channel["duration_s"]),
         f"mean {significant(channel['mean'])} {printable(channel['unit'])}".rstrip(),
         _SAMPLING.get(channel["sampling"], channel["sampling"]),
+        *(["effect of temperature taken out"] if _without_temperature(channel) else []),
     ]
     return ", ".join(parts)
 
 
+def _without_temperature(channel: Mapping[str, Any]) -> bool:
+    return bool((channel.get("temperature") or {}).get("removed"))
+
+
 def fit_sentence(channel: Mapping[str, Any]) -> str:
-    """Whether the five terms explain both curves, with the p-value."""
+    """Whether the five terms explain both curves, with the p-value, and what to do if not."""
     goodness = channel["goodness_of_fit"]
     if goodness["p_value"] is None:
         return "the goodness of fit could not be judged"
     shown = p_value(goodness["p_value"])
     if goodness["consistent"]:
         return f"the five terms agree with both curves ({shown})"
-    return f"the five terms do not explain the curves ({shown})"
+    return (
+        f"the five terms do not explain the curves ({shown}): run `allanfit explain` on the "
+        "recording to find what they leave out"
+    )
 
 
 def slope_sentence(channel: Mapping[str, Any]) -> str:
@@ -184,10 +193,20 @@ def temperature_caption(channel: Mapping[str, Any]) -> str:
     return (
         f"Slow changes beside {printable(entry['channel'])}. Points are means over "
         f"{duration(channel['duration_s'] / len(entry['slow']['time_s']))}, the line is the "
-        "effect of temperature with its 95 % band, which allows for drift of the sensor's own. "
+        "effect of temperature with its 95 % band, which allows for drift of the sensor's own"
+        f"{_ramp_drawn(entry['curve'])}. "
         f"Changes of the temperature within {duration(entry['shortest_period_s'])} are not used: "
         "there its own noise is too near."
     )
+
+
+def _ramp_drawn(curve: Mapping[str, Any]) -> str:
+    """What became of the rate ramp; documents of earlier versions do not tell."""
+    if "beside_ramp" not in curve:
+        return ""
+    if curve["beside_ramp"]:
+        return " and a rate ramp, which is taken out of the points"
+    return " other than a rate ramp, since none is resolved; the intervals in words allow for one"
 
 
 def sampler_sentence(channel: Mapping[str, Any]) -> str:

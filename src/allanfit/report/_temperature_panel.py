@@ -10,7 +10,7 @@ from ._panels import style
 from ._shares_panel import time_axis
 from ._units import typeset
 
-_WIDTH_INCHES, _HEIGHT_INCHES = 7.2, 2.7
+_WIDTH_INCHES, _HEIGHT_INCHES = 7.2, 2.9
 _POINT_COLOUR, _CURVE_COLOUR, _BAND_COLOUR = "#4D4D4D", "#D55E00", "#F6CDB0"
 
 
@@ -26,7 +26,7 @@ def draw_temperature(channel: Mapping[str, Any]) -> Figure:
     with style():
         sheet = Figure(figsize=(_WIDTH_INCHES, _HEIGHT_INCHES))
         against, along = sheet.subplots(1, 2, sharey=True)
-        sheet.subplots_adjust(left=0.105, right=0.9, bottom=0.17, top=0.97, wspace=0.06)
+        sheet.subplots_adjust(left=0.105, right=0.9, bottom=0.16, top=0.91, wspace=0.06)
         against.fill_between(
             curve["temperature_degC"], *curve["band_95"], color=_BAND_COLOUR, linewidth=0
         )
@@ -45,7 +45,10 @@ def draw_temperature(channel: Mapping[str, Any]) -> Figure:
         )
         warm.set_ylabel("temperature [°C]")
         warm.grid(visible=False)
-        along.legend([seen, effect, course], ["means", "effect", "temperature"], loc="best")
+        # Above the axes: there are two of them, and no corner is empty in both.
+        names = ["means", "effect", "temperature"]
+        above = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 3}
+        along.legend([seen, effect, course], names, **above)
         # The band may be far wider than what is seen, where nothing is known.
         shown = np.array([*slow["residual"], *slow["effect"], *curve["effect"]])
         room = 0.08 * float(np.ptp(shown)) or 1.0

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..identify._fit import Fit
 from ..recording import Channel, Recording
-from ._sensitivity import TemperatureEffect, temperature_sensitivity
+from ..report._format import p_value, percent, reading
+from ._sensitivity import RESOLVED_P, TemperatureEffect, temperature_sensitivity
 
 Treatment = Literal["show", "remove", "ignore"]
 """Whether temperature is shown beside the plain fit, taken out of it, or left alone."""
@@ -46,6 +47,15 @@ class ChannelTemperature:
         """Whether temperature rose or fell too evenly to be told from a rate ramp."""
         return float(self.effect.share_of_ramp) > _CONFOUNDED
 
+    @property
+    def beside_ramp(self) -> bool:
+        """Whether the effect is drawn beside a rate ramp.
+
+        A ramp that is not resolved is not drawn, here as in every figure: left free, it and the
+        effect may each run far off and against the other.
+        """
+        return bool(self.effect.removed.resolved["R"])
+
 
 def beside(channel: Channel, recording: Recording) -> Channel | None:
     """The temperature that goes with a channel: of the same axis if there are several."""
@@ -75,7 +85,7 @@ def temperature_document(
 
     `kept` and `removed` are the coefficients of the plain fit and of that without the effect.
     """
-    effect, factor = found.effect, channel.factor
+    effect = found.effect
     return {
         "channel": found.channel.name,
         "removed": found.removed,
@@ -93,7 +103,7 @@ def temperature_document(
         "coefficients_kept": dict(kept),
         "coefficients_removed": dict(removed),
         "goodness_of_fit_removed": _number(effect.removed.goodness_of_fit),
-        "curve": _curve(effect, factor),
+        "curve": _curve(found, channel.factor),
         "slow": _slow(found, channel),
         "sentences": sentences(found, channel, kept, removed),
     }
@@ -105,13 +115,24 @@ def sentences(
     """What temperature does to the channel, in words."""
     effect = found.effect
     span = f"{effect.low_degC:.4g} to {effect.high_degC:.4g} degC"
-    share = (
-        f"{100 * max(0.0, float(effect.explained)):.2g} % of the slow variance, where chance alone "
-        f"explains up to {100 * float(effect.explained_by_chance):.2g} %"
-    )
     numbers = " and ".join(_told(_sensitivity(found, channel, i)) for i in range(2))
+    chance = p_value(float(effect.p_value))
+    # The p-value alone decides: it allows for what is not known of the noise, and shares do not.
     if found.claimed:
-        said = [f"Temperature ({span}) moves the output by {numbers}; it explains {share}."]
+        share = percent(float(effect.explained))
+        said = [
+            f"Temperature ({span}) moves the output by {numbers} ({chance}); it explains {share} "
+            "of the slow variance that no straight line in time explains."
+        ]
+    elif float(effect.p_value) < RESOLVED_P:
+        said = [
+            f"Temperature ({span}) may move the output, by {numbers}; slow noise of the sensor's "
+            f"own looks as much like it in {percent(float(effect.p_value))} of recordings "
+            f"({chance}): record for longer, while the temperature rises and falls."
+        ]
+    else:
+        said = [f"No effect of temperature ({span}) stands out of the noise ({chance}): {numbers}."]
+    if found.claimed or found.removed:
         changes = [
             f"{symbol} goes from {_coefficient(kept[symbol])} to {_coefficient(removed[symbol])}"
             for symbol in ("B", "K", "R")
@@ -122,11 +143,6 @@ def sentences(
             f"With that taken out, {', '.join(changes) or 'B, K and R stay unresolved'}; the main "
             f"coefficients {state} the effect."
         )
-    else:
-        said = [
-            f"No effect of temperature ({span}) stands out of the noise: {numbers}; it explains "
-            f"{share}."
-        ]
     if found.confounded:
         alone = _sensitivity(found, channel, 0)["without_ramp"]
         said.append(
@@ -160,13 +176,15 @@ def _sensitivity(found: ChannelTemperature, channel: Channel, index: int) -> dic
     }
 
 
-def _curve(effect: TemperatureEffect, factor: float) -> dict[str, Any]:
+def _curve(found: ChannelTemperature, factor: float) -> dict[str, Any]:
+    effect = found.effect
     points = np.linspace(effect.low_degC, effect.high_degC, _CURVE_POINTS)
-    middle, band = effect.curve(points)
+    middle, band = effect.curve(points, ramp=found.beside_ramp)
     return {
         "temperature_degC": points.tolist(),
         "effect": (np.asarray(middle) / factor).tolist(),
         "band_95": (np.asarray(band).T / factor).tolist(),
+        "beside_ramp": found.beside_ramp,
     }
 
 
@@ -177,31 +195,29 @@ def _slow(found: ChannelTemperature, channel: Channel) -> dict[str, list[float]]
     """
     effect, rate_hz = found.effect, float(found.plain.rate_hz)
     used = np.concatenate([np.arange(start, stop) for start, stop in channel.stretches])
-    time = used / rate_hz
-    drift = np.asarray(effect.drift)[used]
-    rest = channel.samples[used]
-    if bool(effect.removed.resolved["R"]):
+    time, rest = used / rate_hz, channel.samples[used]
+    if found.beside_ramp:
         rest = rest - float(effect.removed.estimate.least_squares[-1]) * time
-    temperature = found.channel.samples[used]
-    rest = rest - np.mean(rest) + np.mean(drift)
     pieces = min(_MOST_PIECES, used.size // _SAMPLES_A_PIECE)
     edges = np.linspace(0, used.size, pieces + 1).astype(int)[:-1]
     size = np.diff(np.append(edges, used.size))
 
-    def means(values: np.ndarray) -> list[float]:
-        return (np.add.reduceat(values, edges) / size).tolist()
+    def means(values: np.ndarray) -> np.ndarray:
+        return np.add.reduceat(values, edges) / size
 
+    temperature = means(found.channel.samples[used])
+    moved = np.asarray(effect.curve(temperature, ramp=found.beside_ramp)[0])
+    left = means(rest)
     return {
-        "time_s": means(time),
-        "temperature_degC": means(temperature),
-        "residual": means(rest / channel.factor),
-        "effect": means(drift / channel.factor),
+        "time_s": means(time).tolist(),
+        "temperature_degC": temperature.tolist(),
+        "residual": ((left - left.mean() + moved.mean()) / channel.factor).tolist(),
+        "effect": (moved / channel.factor).tolist(),
     }
 
 
 def _told(entry: Mapping[str, Any]) -> str:
-    low, high = entry["intervals"]["0.95"]
-    return f"{entry['value']:.3g} [{low:.3g}, {high:.3g}] {entry['unit']}"
+    return str(reading(entry["value"], entry["intervals"]["0.95"], entry["unit"], signed=True))
 
 
 def _coefficient(entry: Mapping[str, Any]) -> str:

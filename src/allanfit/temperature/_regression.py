@@ -89,13 +89,21 @@ def explained(
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """The fraction of slow variance that two slopes explain, and what chance would explain.
 
-    `slow` is 1 for the modes that count and 0 for the others. The second number is exceeded by
-    one in twenty records of the same noise that temperature does not move.
+    Both the record and the effect are taken without their straight line in time: beside a ramp
+    that is free, a slope may make any line, and the ramp then takes it back. `slow` is 1 for the
+    modes that count and 0 for the others. The second number is exceeded by one in twenty records
+    of the same noise that temperature does not move.
     """
+    ramp = slow * modes.columns[:, 0]
+
+    def bent(response: Array) -> Array:
+        seen = slow * response
+        return seen - ramp * (ramp @ seen) / (ramp @ ramp)
 
     def fraction(response: Array, slopes: Array) -> Array:
-        rest = response - modes.columns[:, -2:] @ slopes
-        return 1 - jnp.sum(slow * rest**2) / jnp.sum(slow * response**2)
+        left = jnp.sum(bent(response - modes.columns[:, -2:] @ slopes) ** 2)
+        # Weights that suit the noise are not those of this sum, which may grow.
+        return jnp.maximum(0.0, 1 - left / jnp.sum(bent(response) ** 2))
 
     def by_chance(key: PRNGKeyArray) -> Array:
         shape, dtype = modes.response.shape, modes.response.dtype

@@ -51,8 +51,9 @@ class TemperatureEffect(eqx.Module):
     p_value: Float[Array, ""]
     #: Part of the knowledge of the linear sensitivity that is lost because R is unknown, 0 to 1.
     share_of_ramp: Float[Array, ""]
-    #: Fraction of the slow variance (periods beyond 1/32 of the record) that temperature explains,
-    #: and what it explains by chance in one of twenty records that it does not move.
+    #: Fraction of the slow variance (periods beyond 1/32 of the record, the straight line in time
+    #: taken out) that temperature explains, and what it explains by chance in one of twenty records
+    #: that it does not move. They describe; the p-values decide.
     explained: Float[Array, ""]
     explained_by_chance: Float[Array, ""]
     #: The shortest period of the temperature that was used [s].
@@ -84,11 +85,19 @@ class TemperatureEffect(eqx.Module):
         return jnp.quantile(draws, jnp.asarray([tail, 1 - tail]), axis=0).T
 
     def curve(
-        self, temperature_degC: Float[Array, " points"] | np.ndarray, probability: float = 0.95
+        self,
+        temperature_degC: Float[Array, " points"] | np.ndarray,
+        probability: float = 0.95,
+        *,
+        ramp: bool = True,
     ) -> tuple[Float[Array, " points"], Float[Array, "points two"]]:
-        """The effect at some temperatures against that at the mean one [u], and its band."""
+        """The effect at some temperatures against that at the mean one [u], and its band.
+
+        `ramp=False` takes the rate ramp R to be zero.
+        """
         step = jnp.asarray(temperature_degC, self.draws.dtype) - self.mean_degC
-        drawn = self.draws @ jnp.stack([step, step**2])
+        draws = self.draws if ramp else self.draws_without_ramp
+        drawn = draws @ jnp.stack([step, step**2])
         tail = (1 - probability) / 2
         low, middle, high = jnp.quantile(drawn, jnp.asarray([tail, 0.5, 1 - tail]), axis=0)
         return middle, jnp.stack([low, high], axis=-1)
