@@ -11,6 +11,7 @@ import numpy as np
 from ._checks import about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
 from ._mistakes import about_mistakes
+from ._no_sensor import why_flag
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
@@ -75,23 +76,25 @@ def load(
     check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
     clock = clock_of(path, table, stamps, rate_hz)
     units = units_of(asked, aside, table, unit)
-    findings = [*table.findings, *clock.findings, *about_units(units)]
-    kept = []
+    kept, left_out = [], []
     for name in asked:
         values = table.columns[name].astype(np.float64)
         stretches = split(np.isfinite(values), clock.breaks)
-        useless = why_useless(usable(values, stretches))
-        if useless and (channels or len(asked) == 1):
+        used = usable(values, stretches)
+        wanted = bool(channels) or len(asked) == 1
+        useless = why_state(name, used, units[name], wanted) or why_useless(used)
+        if useless and wanted:
             raise RecordingError(f"{path.name}: channel {name} cannot be analysed: {useless}.")
         if useless:
-            findings.append(f"The channel {name} is left out: {useless}.")
+            left_out.append(f"The channel {name} is left out: {useless}.")
             continue
         about = about_samples(values, stretches, units[name].name, clock.rate_hz)
         kept.append(channel_of(name, values, units[name], stretches, about))
     if not kept:
-        raise RecordingError(f"{path.name} has no channel to analyse. {findings[-1]}")
+        raise RecordingError(f"{path.name} has no channel to analyse. {left_out[-1]}")
     auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
-    findings += doubts
+    missing = about_units({channel.name: units[channel.name] for channel in kept})
+    findings = [*table.findings, *clock.findings, *missing, *left_out, *doubts]
     digest = hashlib.sha256()
     for channel in (*kept, *(each for each in auxiliary if each.kind == "temperature")):
         digest.update(channel.samples.data)
@@ -218,6 +221,12 @@ def _unit(name: str, stated: str, given: Unit | None) -> Unit:
 
 def _kind_by_name(name: str) -> str | None:
     return next((kind for kind, pattern in _KIND_BY_NAME if pattern.search(name)), None)
+
+
+def why_state(name: str, samples: np.ndarray, unit: Unit, wanted: bool) -> str:
+    """Why a channel is a flag, "" if nothing says so or if something says that it is a sensor."""
+    sensor = wanted or unit.kind != "other" or _kind_by_name(name) is not None
+    return "" if sensor else why_flag(samples)
 
 
 def about_units(units: dict[str, Unit]) -> list[str]:
