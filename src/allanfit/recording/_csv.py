@@ -12,7 +12,9 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from ._csv_layout import HEAD, MISSING, Layout, find_layout, is_number, nameless
+from ._csv_digits import grouped, is_grouped, is_number
+from ._csv_header import nameless
+from ._csv_layout import HEAD, MISSING, Layout, find_layout
 from ._files import refuse_bomb
 from ._recording import Block, RecordingError, Table
 from ._timestamps import is_time
@@ -75,7 +77,7 @@ def _before_last_lines(text: bytes) -> int:
 
 def _table(file: str, text: bytes, layout: Layout, ended: bool = True) -> Table:
     frame = _parse(file, _body(text, layout), layout, ended)
-    columns, findings = {}, ()
+    columns, findings = {}, layout.findings
     for position, (name, column) in enumerate(zip(layout.names, frame, strict=True), start=1):
         empty = column.null_count() == column.len()
         if column.dtype == pl.String:
@@ -185,9 +187,11 @@ def _parse(file: str, body: bytes, layout: Layout, ended: bool) -> pl.DataFrame:
             # A word among numbers is an obstacle, a column of words is only left out.
             if failed.any() and (types[position] != pl.String or np.mean(failed) < 0.5):
                 row = int(np.argmax(failed))
+                line, field = layout.line + row, column[row].strip()
+                if is_grouped(field):
+                    raise grouped(file, line, field)
                 raise RecordingError(
-                    f"{file}, line {layout.line + row}, column {name}: "
-                    f"{column[row].strip()[:40]!r} is not a number."
+                    f"{file}, line {line}, column {name}: {field[:40]!r} is not a number."
                 )
             if not failed.any():
                 # Integers too long to be exact, which floats hold as well as they can.
