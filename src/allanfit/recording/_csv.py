@@ -17,6 +17,7 @@ from ._csv_header import nameless
 from ._csv_layout import HEAD, MISSING, Layout, find_layout
 from ._files import refuse_bomb
 from ._recording import Block, RecordingError, Table
+from ._text_clock import TextClock, find_text_clock, is_date, lacks_seconds
 from ._timestamps import is_time
 from ._wording import count
 
@@ -77,15 +78,38 @@ def _before_last_lines(text: bytes) -> int:
 
 def _table(file: str, text: bytes, layout: Layout, ended: bool = True) -> Table:
     frame = _parse(file, _body(text, layout), layout, ended)
-    columns, findings = {}, layout.findings
+    frame.columns = layout.names
+    texts = {
+        name: field
+        for name, field, column in zip(layout.names, layout.first, frame, strict=True)
+        if column.dtype == pl.String
+    }
+    numbers = [name for name in layout.names if name not in texts]
+    known = any(is_time(name, layout.units.get(name, "")) for name in numbers)
+    clock = None if known else find_text_clock(texts)
+    columns, units, findings = {}, layout.units, layout.findings
     for position, (name, column) in enumerate(zip(layout.names, frame, strict=True), start=1):
         empty = column.null_count() == column.len()
-        if column.dtype == pl.String:
-            findings += (f"The column {name} holds text and is left out.",)
+        if clock is not None and name == clock.time:
+            columns[name], unit = clock.read(frame)
+            units = units | {name: unit}
+        elif column.dtype == pl.String:
+            findings += _about_text(name, texts[name], clock)
         # A nameless column without a value comes of lines that end in a separator.
         elif not (empty and name == nameless(position)):
             columns[name] = column.to_numpy()
-    return Table(columns, layout.units, findings=findings)
+    return Table(columns, units, findings=findings)
+
+
+def _about_text(name: str, first: str, clock: TextClock | None) -> tuple[str, ...]:
+    if clock is not None and is_date(first):
+        return ()
+    if clock is None and lacks_seconds(first):
+        return (
+            f"The column {name} holds times without hours, minutes or seconds, such as "
+            f"{first!r:.40}, and is left out: write them in full, as in 08:00:00.010.",
+        )
+    return (f"The column {name} holds text and is left out.",)
 
 
 @contextmanager

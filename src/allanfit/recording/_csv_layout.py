@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ._csv_digits import check_blanks, check_digits, has_decimal_comma, is_grouped, is_number
 from ._csv_header import named, read_header
 from ._recording import RecordingError
+from ._text_clock import is_clock, is_date
 
 MISSING = ("", "NA", "N/A", "#N/A", "null", "NULL", "None")
 _COMMENT = ("#", "%")
@@ -80,7 +81,10 @@ def find_layout(file: str, text: bytes) -> Layout:
         header = read_header(file, rows[:start], filled[:start], fields)
     else:
         header = named(file, _commented(lines[:first], separator), len(fields))
-        if not all(is_number(field, comma) or field in MISSING for field in fields):
+        if not all(
+            is_number(each, comma) or each in MISSING or is_clock(each) or is_date(each)
+            for each in fields
+        ):
             raise RecordingError(
                 f"{file}, line {first + 1}: {lines[first]!r:.60} mixes numbers and text: give the "
                 "file a header line."
