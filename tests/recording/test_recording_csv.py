@@ -44,6 +44,7 @@ def dressed(noise: np.ndarray) -> dict[str, str | bytes]:
         "semicolons.csv": f"{HEADER.replace(',', ';')}\n{lines(noise, ';')}",
         "decimal_commas.csv": f"{HEADER.replace(',', ';')}\n{lines(noise, ';', ',')}",
         "tabs.txt": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t"),
+        "tabs.tsv": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t"),
         "tabs_decimal_commas.txt": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t", ","),
         "blanks.txt": f"{bare}\n{lines(noise, '   ')}",
         "indented.txt": f"  {bare}\n" + lines(noise, "  ").replace("\n", "\n   ").rstrip(" "),

@@ -102,10 +102,16 @@ def test_the_rate_given_comes_first(archive, noise):
     assert load(archive(gyro_x=noise[:, 0]), rate_hz=250.0).rate_hz == 250.0
 
 
-@pytest.mark.parametrize("name", ["recording.xlsx", "recording", "recording.npz.gz", "a.jpg"])
+@pytest.mark.parametrize("name", ["recording.xml", "recording", "recording.npz.gz", "a.jpg"])
 def test_unknown_endings(name, write):
     with pytest.raises(RecordingError, match=r"is not known; a recording is a \.csv, \.csv\.gz"):
         load(write(name, "1\n2\n"))
+
+
+@pytest.mark.parametrize("ending", ["xlsx", "XLS", "ods"])
+def test_a_spreadsheet_is_to_be_exported(ending, write):
+    with pytest.raises(RecordingError, match=r"is a spreadsheet: export .* as CSV"):
+        load(write(f"recording.{ending}", b"PK"))
 
 
 def test_missing_files_folders_and_empty_files(tmp_path, write):

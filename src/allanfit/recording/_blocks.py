@@ -68,6 +68,7 @@ class Blocks:
             check_rate(rate_hz, f"rate_hz in {path.name}")
         self._given_hz = rate_hz
         self._stamps, aside, _, self._asked = columns_of(path, first, channels)
+        self._first, self._unit = first, unit
         self._units = units_of(self._asked, aside, first, unit)
         self._findings = dict.fromkeys(first.findings)
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
@@ -196,7 +197,7 @@ class Blocks:
             kept.append(channel_of(name, column, unit, stretches, about))
         if not kept:
             raise RecordingError(f"{self.name} has no channel to analyse.")
-        self._findings |= dict.fromkeys(about_units(known))
+        self._findings |= dict.fromkeys(about_units(known, self._first, self._unit))
         if all(usable(channel.samples, channel.stretches).size for channel in kept):
             self._findings |= dict.fromkeys(about_gravity(kept))
         return tuple(replace(each, samples=np.empty(0), stretches=()) for each in kept)

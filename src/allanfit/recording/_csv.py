@@ -30,7 +30,7 @@ _EXACT_DIGITS = 15
 
 
 def read_csv(path: Path) -> Table:
-    """Columns of numbers from `.csv`, `.txt` or either of them gzipped.
+    """Columns of numbers from `.csv`, `.txt`, `.tsv` or one of them gzipped.
 
     **Raises** `RecordingError` when the file is no such table, with the line that is in the way.
     """

@@ -15,6 +15,7 @@ from ._no_sensor import why_flag
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
+from ._unit_endings import unit_in_name
 from ._units import Unit, parse_unit
 
 # From a clock compared once a week to what no converter reaches.
@@ -39,9 +40,9 @@ def load(
 
     **Arguments:**
 
-    - `path`: a `.csv`, `.txt` (either may be gzipped: `.csv.gz`), `.npy` or `.npz` file; with the
-        extra `io` also `.parquet`, `.mat`, `.h5`, `.hdf5`, a ROS 1 or 2 bag, `.mcap` or PX4's
-        `.ulg`. A column named `time`, `time_s`, `timestamp` or `t` holds time stamps.
+    - `path`: a `.csv`, `.txt` or `.tsv` (each may be gzipped: `.csv.gz`), `.npy` or `.npz` file;
+        with the extra `io` also `.parquet`, `.mat`, `.h5`, `.hdf5`, a ROS 1 or 2 bag, `.mcap` or
+        PX4's `.ulg`. A column named `time`, `time_s`, `timestamp` or `t` holds time stamps.
     - `rate_hz`: samples a second. Without it the file's own is used, or else the time stamps'.
     - `channels`: names of the channels to analyse. Without it all are but temperatures,
         magnetometers and time stamps.
@@ -93,8 +94,8 @@ def load(
     if not kept:
         raise RecordingError(f"{path.name} has no channel to analyse. {left_out[-1]}")
     auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
-    missing = about_units({channel.name: units[channel.name] for channel in kept})
-    findings = [*table.findings, *clock.findings, *missing, *left_out, *doubts]
+    said = about_units({channel.name: units[channel.name] for channel in kept}, table, unit)
+    findings = [*table.findings, *clock.findings, *said, *left_out, *doubts]
     digest = hashlib.sha256()
     for channel in (*kept, *(each for each in auxiliary if each.kind == "temperature")):
         digest.update(channel.samples.data)
@@ -124,9 +125,7 @@ def columns_of(
     path: Path, table: Table, channels: Sequence[str] | None
 ) -> tuple[str | None, set[str], set[str], list[str]]:
     """Time stamps, what is recorded beside the channels, temperatures in it, and the channels."""
-    warm = {
-        name for name in table.columns if is_temperature(name, table.units.get(name, ""), table)
-    }
+    warm = {name for name in table.columns if is_temperature(name, table.unit(name), table)}
     times = [name for name in time_columns(table.columns, table.units) if name not in warm]
     names = [name for name in table.columns if name not in times]
     aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
@@ -189,11 +188,10 @@ def units_of(
 ) -> dict[str, Unit]:
     """The unit of each channel, `override` put in place where it fits."""
     given = None if override is None else parse_unit(override)
-    stated = {name: table.units.get(name, "") for name in names}
     units = {
-        name: Unit(stated[name], si_unit=stated[name])
+        name: Unit(table.unit(name), si_unit=table.unit(name))
         if name in aside
-        else _unit(name, stated[name], given)
+        else _unit(name, table.units.get(name, ""), given)
         for name in names
     }
     if given is not None and given not in units.values():
@@ -207,15 +205,16 @@ def units_of(
 
 def _unit(name: str, stated: str, given: Unit | None) -> Unit:
     try:
-        unit = parse_unit(stated)
+        unit = parse_unit(stated or unit_in_name(name))
     except RecordingError:
         if given is None:
             raise
-        unit = Unit("")
+        unit, stated = Unit(""), ""
     if given is None:
         return unit
-    kind = unit.kind if unit.name else _kind_by_name(name)
-    fits = kind in (None, given.kind) or (given.kind == "other" and not unit.name)
+    measured = None if unit.kind == "other" else unit.kind
+    kind = unit.kind if stated else _kind_by_name(name) or measured
+    fits = kind in (None, given.kind) or (given.kind == "other" and not stated)
     return given if fits else unit
 
 
@@ -229,9 +228,15 @@ def why_state(name: str, samples: np.ndarray, unit: Unit, wanted: bool) -> str:
     return "" if sensor else why_flag(samples)
 
 
-def about_units(units: dict[str, Unit]) -> list[str]:
-    """Findings on units that are missing or do not go with the name of their channel."""
-    findings = []
+def about_units(units: dict[str, Unit], table: Table, override: str | None) -> list[str]:
+    """Findings on units that are missing, in names, or do not go with the name of their channel."""
+    findings, ends = [], {}
+    for name, unit in units.items():
+        if not table.units.get(name) and unit.name not in ("", (override or "").strip()):
+            ends[unit.name] = [*ends.get(unit.name, []), name]
+    if ends:
+        told = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in ends.items())
+        findings.append(f"Units are taken from the names: {told}.")
     bare = [name for name, unit in units.items() if not unit.name]
     if bare:
         findings.append(
@@ -274,7 +279,7 @@ def _auxiliary(
     for name, column in table.columns.items():
         if name not in aside or name in asked:
             continue
-        values, unit = column.astype(np.float64), table.units.get(name, "")
+        values, unit = column.astype(np.float64), table.unit(name)
         if name in warm:
             channel, doubts = read_temperature(name, values, unit, length, clock)
             findings += doubts
