@@ -149,6 +149,10 @@ def test_missing_values_are_not_numbers_and_said(write, noise):
 def test_a_last_line_cut_short_is_missing_values(write, noise):
     recording = load(write("cut.csv", f"{HEADER}\n{lines(noise)}0.5,0"), rate_hz=100.0)
     assert recording.channels[2].stretches == ((0, 400),)
+    assert recording.findings == (
+        "The last line has 2 fields of 3: the file was cut off there, and what is missing is left "
+        "out.",
+    )
     assert "missing or not finite: 1 sample (" in recording.channels[2].findings[0]
 
 

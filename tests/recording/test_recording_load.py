@@ -87,6 +87,12 @@ def test_too_short_says_how_many_are_needed(archive, noise):
         load(archive(gyro_x=noise[:255, 0]))
 
 
+def test_too_few_samples_are_no_fault_of_the_time_stamps(write):
+    path = write("few.csv", "time,x\n" + "".join(f"{k / 100},{k % 3}\n" for k in range(9)))
+    with pytest.raises(RecordingError, match=r"few\.csv cannot .* has 9 samples, and at least 256"):
+        load(path)
+
+
 @pytest.mark.parametrize("rate_hz", [0.0, -100.0, float("nan"), float("inf")])
 def test_a_rate_is_positive(rate_hz, archive, noise):
     with pytest.raises(RecordingError, match=r"from 1e-06 to 1e\+09; the rate given is"):

@@ -74,6 +74,7 @@ class Blocks:
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
         self._judged = 0
+        self._missing = dict.fromkeys(self._asked, 0)
         self._rows = self._checked(first)
         self._next = next(self._rows)
         self.channels = self._first_look(*self._next, channels)
@@ -97,6 +98,11 @@ class Blocks:
                 f"The time stamps break {count(self._breaks, 'time')}: samples are missing there, "
                 "and nothing is put in place."
             )
+        found += [
+            f"Left out of {name} as missing or not finite: {count(missing, 'sample')}."
+            for name, missing in self._missing.items()
+            if missing
+        ]
         if self._doubts:
             first, said = self._doubts[0]
             found.append(
@@ -109,6 +115,7 @@ class Blocks:
         for values, breaks in itertools.chain([self._next], self._rows):
             for channel in self.channels:
                 samples = values[channel.name] * channel.factor
+                self._missing[channel.name] += int(np.count_nonzero(~np.isfinite(samples)))
                 yield from _runs(channel.name, samples, breaks)
 
     def _read(self, blocks: Iterator) -> Iterator[Table]:
@@ -193,7 +200,12 @@ class Blocks:
                 known[name] = unit
             if enough and name in known:
                 said = about_samples(column, stretches, unit.name, self.rate_hz)
-                about = tuple(f"In the first {column.size} samples: {each}" for each in said)
+                # Of all samples those that are missing are counted.
+                about = tuple(
+                    f"In the first {column.size} samples: {each}"
+                    for each in said
+                    if not each.startswith("Left out as missing")
+                )
             kept.append(channel_of(name, column, unit, stretches, about))
         if not kept:
             raise RecordingError(f"{self.name} has no channel to analyse.")

@@ -88,6 +88,8 @@ def _table(file: str, text: bytes, layout: Layout, ended: bool = True) -> Table:
     known = any(is_time(name, layout.units.get(name, "")) for name in numbers)
     clock = None if known else find_text_clock(texts)
     columns, units, findings = {}, layout.units, layout.findings
+    if ended:
+        findings += _about_end(text, layout)
     for position, (name, column) in enumerate(zip(layout.names, frame, strict=True), start=1):
         empty = column.null_count() == column.len()
         if clock is not None and name == clock.time:
@@ -99,6 +101,20 @@ def _table(file: str, text: bytes, layout: Layout, ended: bool = True) -> Table:
         elif not (empty and name == nameless(position)):
             columns[name] = column.to_numpy()
     return Table(columns, units, findings=findings)
+
+
+def _about_end(text: bytes, layout: Layout) -> tuple[str, ...]:
+    """A finding when the last line is short of a field."""
+    line = text.rstrip().rpartition(b"\n")[2]
+    found = line.count(layout.separator.encode()) + 1
+    # A separator at the end of a line divides nothing.
+    needed = len(layout.names) - (not layout.first[-1])
+    if layout.separator == " " or line.startswith(b"#") or found >= needed:
+        return ()
+    return (
+        f"The last line has {count(found, 'field')} of {needed}: the file was cut off there, and "
+        "what is missing is left out.",
+    )
 
 
 def _about_text(name: str, first: str, clock: TextClock | None) -> tuple[str, ...]:

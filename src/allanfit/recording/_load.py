@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ._checks import about_gravity, about_samples, split, usable, why_useless
+from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
 from ._mistakes import about_mistakes
 from ._no_sensor import why_flag
@@ -17,6 +17,7 @@ from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
 from ._unit_endings import unit_in_name
 from ._units import Unit, parse_unit
+from ._wording import count
 
 # From a clock compared once a week to what no converter reaches.
 _RATES = (1e-6, 1e9)
@@ -75,6 +76,13 @@ def load(
         check_rate(rate_hz, f"rate_hz in {path.name}")
     stamps, aside, warm, asked = columns_of(path, table, channels)
     check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
+    # Of so few samples the time stamps tell no rate either.
+    samples = max(table.columns[name].size for name in asked)
+    if stamps and samples < FEWEST_SAMPLES:
+        raise RecordingError(
+            f"{path.name} cannot be analysed: it has {count(samples, 'sample')}, and at least "
+            f"{FEWEST_SAMPLES} are needed."
+        )
     clock = clock_of(path, table, stamps, rate_hz)
     units = units_of(asked, aside, table, unit)
     kept, left_out = [], []
