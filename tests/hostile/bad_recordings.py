@@ -157,7 +157,16 @@ BAD = {
     "an open quotation mark": Bad("a.csv", TABLE + '"1.0\n' + ROWS, "quotation mark|not a number"),
     "a quotation mark at the end": Bad("a.csv", ROWS + '"', "quotation mark"),
     "columns that are alike": Bad("a.csv", "x,x\n" + "1,2\n3,4\n" * 200, "two columns named x"),
-    "three header lines": Bad("a.csv", f"Logger\nRun 3\nx\n{ROWS}", "correct it or begin it with #"),
+    "titles without a header": Bad("a.csv", f"Logger\nRun 3\n{ROWS}", "correct it or begin it with #"),
+    "two tables": Bad("a.csv", f"x\n{ROWS[:300]}x,y\n" + "1,2\n3,4\n" * 200, "no titles alone"),
+    "two rows of units": Bad("a.csv", "x,y\ndeg/s,deg/s\ng,g\n" + "1,2\n3,4\n" * 200, "two columns named g"),
+    "thousands with points": Bad("a.csv", "t;x\n" + "1.000.000;3.384\n" * 300, "separators of thousands"),
+    "thousands with points in the clock": Bad(
+        "a.csv", "t;x\n" + "".join(f"{k:,};3\n".replace(",", ".") for k in range(0, 9000, 10)), "'1.000' has separators of thousands"
+    ),
+    "thousands far below": Bad(
+        "a.csv", "t;x\n" + "".join(f"{k}.5;3\n" for k in range(20_000)) + "1.000.000;3\n", "line 20002: '1.000.000' has separators"
+    ),
     # Size and shape of the text
     "a very long line": Bad("a.csv", "1," * 3_000_000 + "1\n", "lines of more than 64 kB"),
     "a very long header": Bad("a.csv", "x" * 300_000 + "\n" + ROWS, "lines of more than 64 kB"),

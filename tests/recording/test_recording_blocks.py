@@ -77,6 +77,8 @@ def test_blocks_hold_what_the_whole_file_holds(ending, columns, tmp_path):
             np.testing.assert_array_equal(one, other)
     assert [each.si_unit for each in blocks.channels] == ["rad/s", "rad/s"]
     assert any("break 1 time" in finding for finding in blocks.findings)
+    assert "Left out of gyro_x as missing or not finite: 21 samples." in blocks.findings
+    assert not any("missing" in told for channel in blocks.channels for told in channel.findings)
     assert len(read) > 2
     assert read[-1][0] == read[-1][1]
     assert read == sorted(read)

@@ -186,3 +186,24 @@ def test_codes_beside_a_wave_have_no_rails():
     wave = 5 * np.sin(2 * np.pi * 0.0123 * np.arange(SIZE))
     for noise in (0.5, 1.0):
         assert rails(np.round(wave + noise * white()), 1.0) == ()
+
+
+@pytest.mark.parametrize(
+    ("samples", "width"),
+    [
+        (np.empty(0), 0.0),
+        (np.array([3.0]), 0.0),
+        (np.array([3.0, 4.0]), 1.0),
+        (np.arange(200_000) * 0.5, 0.5),
+        (np.append(np.arange(50_000.0), 1e9), 1.0),
+        (np.round(30 * np.cumsum(white())), 1.0),
+    ],
+    ids=["none", "one", "two", "ramp", "ramp and a wild value", "wandering far"],
+)
+def test_the_code_width_of_any_samples(samples, width):
+    assert code_width(samples) == width
+
+
+def test_noise_that_wanders_far_has_no_codes():
+    """Values that are evenly dense, without a step that would be wide for their range."""
+    assert code_width(np.cumsum(np.random.default_rng(1).standard_normal(200_000))) < 0.01

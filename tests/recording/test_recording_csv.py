@@ -5,7 +5,7 @@ import gzip
 import numpy as np
 import pytest
 
-from allanfit.recording import RecordingError, load
+from allanfit.recording import RecordingError, load, read_in_blocks
 
 NAMES = ("gyro_x", "gyro_y", "gyro_z")
 HEADER = ",".join(f"{name} [deg/s]" for name in NAMES)
@@ -44,6 +44,7 @@ def dressed(noise: np.ndarray) -> dict[str, str | bytes]:
         "semicolons.csv": f"{HEADER.replace(',', ';')}\n{lines(noise, ';')}",
         "decimal_commas.csv": f"{HEADER.replace(',', ';')}\n{lines(noise, ';', ',')}",
         "tabs.txt": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t"),
+        "tabs.tsv": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t"),
         "tabs_decimal_commas.txt": HEADER.replace(",", "\t") + "\n" + lines(noise, "\t", ","),
         "blanks.txt": f"{bare}\n{lines(noise, '   ')}",
         "indented.txt": f"  {bare}\n" + lines(noise, "  ").replace("\n", "\n   ").rstrip(" "),
@@ -66,6 +67,49 @@ def dressed(noise: np.ndarray) -> dict[str, str | bytes]:
 @pytest.mark.parametrize("name", list(dressed(np.zeros((1, 3)))))
 def test_every_dress_of_a_table(name, write, noise):
     check(write(name, dressed(noise)[name]), noise)
+
+
+UNITS = "[deg/s],[deg/s],[deg/s]\n"
+
+
+@pytest.mark.parametrize(
+    ("above", "skipped"),
+    [
+        (f"Still test of unit 7\n{HEADER}\n", "1 line, the first 'Still test of unit 7'"),
+        (f"Test, of 3 units; loud\n{HEADER}\n", "1 line, the first 'Test of 3 units; loud'"),
+        (f"Operator,JM,\nRate,100,\n,,\n{HEADER}\n", "2 lines, the first 'Operator JM'"),
+        (f"{','.join(NAMES)}\n{UNITS}", None),
+        (f"{UNITS}{','.join(NAMES)}\n", None),
+        (f"{HEADER}\n-,,°/s\n", None),
+        (f"Unit 7,,\n{','.join(NAMES)}\n{UNITS.replace('[', '').replace(']', '')}", "1 line"),
+        (f"Date,2026-11-22,\n# noted\n{HEADER}\n", "1 line, the first 'Date 2026-11-22'"),
+    ],
+)
+def test_titles_and_units_about_the_header(above, skipped, write, noise):
+    path = write("lab.csv", above + lines(noise))
+    recording = load(path, rate_hz=100.0)
+    assert [channel.name for channel in recording.channels] == list(NAMES)
+    assert [channel.unit for channel in recording.channels] == ["deg/s"] * 3
+    for channel, expected in zip(recording.channels, noise.T, strict=True):
+        np.testing.assert_allclose(channel.samples, expected * np.pi / 180, rtol=1e-14)
+    told = "".join(recording.findings)
+    assert told.startswith(f"Skipped above the header: {skipped}" if skipped else "")
+    assert len(recording.findings) == (skipped is not None)
+    assert read_in_blocks(path, rate_hz=100.0).findings == recording.findings
+
+
+def test_decimal_commas_in_titles_are_none_of_the_table(write, noise):
+    text = f"Range;2,5\n{HEADER.replace(',', ';')}\n{lines(noise, ';')}"
+    recording = load(write("lab.csv", text), rate_hz=100.0)
+    np.testing.assert_allclose(recording.channels[2].samples, noise[:, 2] * np.pi / 180, rtol=1e-14)
+
+
+def test_whole_numbers_beside_decimals_are_no_thousands(write):
+    """Three decimals with zeros left away, as `%g` prints them."""
+    values = np.random.default_rng(2).integers(-9000, 9000, 2000) / 1000
+    text = "gyro_x [deg/s]\n" + "".join(f"{value:g}\n" for value in values)
+    recording = load(write("short.csv", text), rate_hz=100.0)
+    np.testing.assert_allclose(recording.channels[0].samples, values * np.pi / 180, rtol=1e-14)
 
 
 def test_degree_sign_in_latin_1(write, noise):
@@ -105,6 +149,10 @@ def test_missing_values_are_not_numbers_and_said(write, noise):
 def test_a_last_line_cut_short_is_missing_values(write, noise):
     recording = load(write("cut.csv", f"{HEADER}\n{lines(noise)}0.5,0"), rate_hz=100.0)
     assert recording.channels[2].stretches == ((0, 400),)
+    assert recording.findings == (
+        "The last line has 2 fields of 3: the file was cut off there, and what is missing is left "
+        "out.",
+    )
     assert "missing or not finite: 1 sample (" in recording.channels[2].findings[0]
 
 
@@ -143,8 +191,8 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
         ("word " * 50_000, "has lines of more than 64 kB: write one sample"),
         (bytes(range(256)) * 20, "is not plain text: a spreadsheet has to be saved as CSV"),
         (f"{HEADER}\n1,2,3\n".encode("utf-16"), "is not plain text"),
-        (f"Logger v3\n{HEADER}\n1,2,3\n", "2 lines stand above the numbers, the first 'Logger v3'"),
-        (f"{HEADER}\ndeg/s,deg/s,deg/s\n1,2,3\n", "only one header line may"),
+        (f"1,2,3\n{HEADER}\n1,2\n3,4\n", "2 lines stand above the numbers, the first '1 2 3', and"),
+        (f"{HEADER}\nw,w,w\n1,2,3\n", "two columns named w: rename one"),
         ("Logger v3\n1,2,3\n", "line 1: 'Logger v3' has 1 fields and the numbers below it 3"),
         ("x,y\n0,5,0,6\n", r"for decimal commas, put semicolons between the columns"),
         ("x y\n0,5 0,6\n", "line 2: '0,5 0,6' mixes commas and blanks: write decimal points"),

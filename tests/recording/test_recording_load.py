@@ -87,6 +87,12 @@ def test_too_short_says_how_many_are_needed(archive, noise):
         load(archive(gyro_x=noise[:255, 0]))
 
 
+def test_too_few_samples_are_no_fault_of_the_time_stamps(write):
+    path = write("few.csv", "time,x\n" + "".join(f"{k / 100},{k % 3}\n" for k in range(9)))
+    with pytest.raises(RecordingError, match=r"few\.csv cannot .* has 9 samples, and at least 256"):
+        load(path)
+
+
 @pytest.mark.parametrize("rate_hz", [0.0, -100.0, float("nan"), float("inf")])
 def test_a_rate_is_positive(rate_hz, archive, noise):
     with pytest.raises(RecordingError, match=r"from 1e-06 to 1e\+09; the rate given is"):
@@ -102,10 +108,16 @@ def test_the_rate_given_comes_first(archive, noise):
     assert load(archive(gyro_x=noise[:, 0]), rate_hz=250.0).rate_hz == 250.0
 
 
-@pytest.mark.parametrize("name", ["recording.xlsx", "recording", "recording.npz.gz", "a.jpg"])
+@pytest.mark.parametrize("name", ["recording.xml", "recording", "recording.npz.gz", "a.jpg"])
 def test_unknown_endings(name, write):
     with pytest.raises(RecordingError, match=r"is not known; a recording is a \.csv, \.csv\.gz"):
         load(write(name, "1\n2\n"))
+
+
+@pytest.mark.parametrize("ending", ["xlsx", "XLS", "ods"])
+def test_a_spreadsheet_is_to_be_exported(ending, write):
+    with pytest.raises(RecordingError, match=r"is a spreadsheet: export .* as CSV"):
+        load(write(f"recording.{ending}", b"PK"))
 
 
 def test_missing_files_folders_and_empty_files(tmp_path, write):

@@ -75,6 +75,22 @@ def test_a_unit_that_nobody_gave_is_inferred_and_said(unit, scale):
     assert f"`timestamp [{unit}]`" in told.findings[0]
 
 
+@pytest.mark.parametrize("origin", [46348 + 1 / 3, 35_000.0, 739_942.25])
+def test_days_of_spreadsheets_are_told_and_said(origin):
+    stamps = np.round(origin + EVEN / 86_400, 10)
+    told = clock(stamps, name="Time")
+    assert told.rate_hz == pytest.approx(100, rel=1e-6)
+    assert "taken to be in days, as spreadsheets count them: they are about" in told.findings[0]
+    stamps[[5, 7]] = np.nan
+    assert clock(stamps, name="Time").rate_hz == pytest.approx(100, rel=1e-6)
+
+
+def test_seconds_of_the_size_of_days_stay_seconds():
+    assert clock(46_348 + EVEN, name="time").findings == ()
+    assert clock(46_348 + EVEN / 100, name="time").rate_hz == pytest.approx(10_000)
+    assert clock(46_348_000 + EVEN * 1000, name="time").rate_hz == pytest.approx(100)
+
+
 def test_a_known_rate_decides_between_units():
     seconds = np.arange(5_000.0)
     assert clock(seconds, name="time", given_hz=1.0).rate_hz == 1.0
@@ -234,7 +250,7 @@ def test_load_does_without_useless_stamps_when_the_rate_is_known(archive, noise)
 
 
 def test_stamps_that_are_text_are_named_when_no_rate_is_known(write, noise):
-    rows = [f"12:00:{k / 100:05.2f},{value}" for k, value in enumerate(noise[:, 0])]
+    rows = [f"noon + {k / 100:05.2f},{value}" for k, value in enumerate(noise[:, 0])]
     path = write("clock.csv", "time,gyro_x [deg/s]\n" + "\n".join(rows))
     with pytest.raises(
         RecordingError,

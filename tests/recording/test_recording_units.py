@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from allanfit.recording import RecordingError, load
+from allanfit.recording import RecordingError, contents, load, read_in_blocks
 from allanfit.recording._units import parse_unit
 
 DEGREE = math.pi / 180
@@ -134,3 +134,71 @@ def test_gravity_in_another_unit_is_said(level, unit, says, archive, noise):
     (finding,) = load(path).findings
     assert f"would be gravity in {says}: if so, give --unit {says}." in finding
     assert load(path, unit=says).findings == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("wx_dps", "deg/s"),
+        ("Gyro X dps", "deg/s"),
+        ("wz_deg_s", "deg/s"),
+        ("wz_deg_per_sec", "deg/s"),
+        ("rate_dph", "deg/h"),
+        ("wx_mdps", "mdps"),
+        ("gyro_x_rad_s", "rad/s"),
+        ("gyro_x_radps", "rad/s"),
+        ("accel_x_mps2", "m/s^2"),
+        ("ay_ms2", "m/s^2"),
+        ("ay_m_s2", "m/s^2"),
+        ("ax_g", "g"),
+        ("imu0_accel_x_mg", "mg"),
+        ("wx_counts", "counts"),
+    ],
+)
+def test_the_unit_at_the_end_of_a_name(name, unit, archive, noise):
+    path = archive(**{name: 1e-3 * noise[:, 0]}, units=None)
+    recording = load(path)
+    assert units_of(recording) == [unit]
+    assert recording.channels[0].factor == parse_unit(unit).factor
+    assert recording.findings == (f"Units are taken from the names: {name} in {unit}.",)
+    (listed,) = contents(path)
+    assert listed.units == {name: unit}
+    assert read_in_blocks(path).findings == recording.findings
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["dps", "wx", "theta_rads", "roll_degs", "vel_m_s_2", "sum_g", "gyro_g", "x_C", "img", "ax_kg"],
+)
+def test_an_ending_that_may_be_something_else_is_no_unit(name, archive, noise):
+    recording = load(archive(**{name: noise[:, 0]}, units=None))
+    assert units_of(recording) == [""]
+    assert recording.findings[0].startswith("No unit is known")
+
+
+def test_a_unit_in_a_name_gives_way(archive, noise, write):
+    path = archive(wx_dps=1e-3 * noise[:, 0], wy_dps=noise[:, 1], units='{"wx_dps": "rad/s"}')
+    recording = load(path)
+    assert units_of(recording) == ["rad/s", "deg/s"]
+    assert recording.findings == ("Units are taken from the names: wy_dps in deg/s.",)
+    bare = archive(wx_dps=noise[:, 0], ax_g=noise[:, 1], units=None)
+    assert units_of(load(bare, unit="rad/s")) == ["rad/s", "g"]
+    assert units_of(load(bare, unit="mg")) == ["deg/s", "mg"]
+    assert units_of(load(bare, unit="counts")) == ["counts", "counts"]
+    assert load(bare, unit="counts").findings == ()
+    counted = archive(wx_counts=noise[:, 0], units=None)
+    assert units_of(load(counted, unit="deg/s")) == ["deg/s"]
+
+
+@pytest.mark.parametrize(
+    ("name", "offset"),
+    [("temp_degC", 0), ("temp_C", 0), ("imu_temp_C", 0), ("T_K", 273.15), ("board_celsius", 0)],
+)
+def test_temperatures_by_the_end_of_their_names(name, offset, archive, noise):
+    arrays = {"wx_dps": noise[:, 0], "time": np.arange(400) / 100}
+    warm = 25 + 0.1 * noise[:, 1]
+    recording = load(archive(**arrays, **{name: warm + offset}, units=None))
+    (temperature,) = recording.auxiliary
+    assert (temperature.kind, temperature.findings) == ("temperature", ())
+    np.testing.assert_allclose(temperature.samples, warm, atol=1e-9)
+    assert len(recording.findings) == 1

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_counter
+from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable
 from ._formats import read_blocks
 from ._load import (
     about_units,
@@ -19,7 +19,9 @@ from ._load import (
     clock_of,
     columns_of,
     units_of,
+    why_state,
 )
+from ._no_sensor import why_counter
 from ._recording import Channel, Progress, RecordingError, Table
 from ._timestamps import CATCH_UP
 from ._wording import count
@@ -66,11 +68,13 @@ class Blocks:
             check_rate(rate_hz, f"rate_hz in {path.name}")
         self._given_hz = rate_hz
         self._stamps, aside, _, self._asked = columns_of(path, first, channels)
+        self._first, self._unit = first, unit
         self._units = units_of(self._asked, aside, first, unit)
-        self._findings = dict.fromkeys([*first.findings, *about_units(self._units)])
+        self._findings = dict.fromkeys(first.findings)
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
         self._judged = 0
+        self._missing = dict.fromkeys(self._asked, 0)
         self._rows = self._checked(first)
         self._next = next(self._rows)
         self.channels = self._first_look(*self._next, channels)
@@ -94,6 +98,11 @@ class Blocks:
                 f"The time stamps break {count(self._breaks, 'time')}: samples are missing there, "
                 "and nothing is put in place."
             )
+        found += [
+            f"Left out of {name} as missing or not finite: {count(missing, 'sample')}."
+            for name, missing in self._missing.items()
+            if missing
+        ]
         if self._doubts:
             first, said = self._doubts[0]
             found.append(
@@ -106,6 +115,7 @@ class Blocks:
         for values, breaks in itertools.chain([self._next], self._rows):
             for channel in self.channels:
                 samples = values[channel.name] * channel.factor
+                self._missing[channel.name] += int(np.count_nonzero(~np.isfinite(samples)))
                 yield from _runs(channel.name, samples, breaks)
 
     def _read(self, blocks: Iterator) -> Iterator[Table]:
@@ -170,23 +180,36 @@ class Blocks:
         channels: Sequence[str] | None,
     ) -> tuple[Channel, ...]:
         """The channels without their samples, with what the first of these tell."""
-        kept = []
+        # What is constant so far is no sensor that a unit would help.
+        kept, known = [], {}
         for name in self._asked:
             column, unit = values[name], self._units[name]
             stretches = split(np.isfinite(column), tuple(at for at in breaks if at < column.size))
             seen = usable(column, stretches)
-            if why := why_counter(seen):
-                if channels or len(self._asked) == 1:
+            wanted = bool(channels) or len(self._asked) == 1
+            # Of few samples chance might make a counter.
+            enough = seen.size >= FEWEST_SAMPLES
+            why = enough and (why_state(name, seen, unit, wanted) or why_counter(seen))
+            if why:
+                if wanted:
                     raise RecordingError(f"{self.name}: channel {name} cannot be analysed: {why}.")
                 self._findings[f"The channel {name} is left out: {why}."] = None
                 continue
             about = ()
-            if seen.size >= FEWEST_SAMPLES and seen.min() < seen.max():
+            if seen.size and seen.min() < seen.max():
+                known[name] = unit
+            if enough and name in known:
                 said = about_samples(column, stretches, unit.name, self.rate_hz)
-                about = tuple(f"In the first {column.size} samples: {each}" for each in said)
+                # Of all samples those that are missing are counted.
+                about = tuple(
+                    f"In the first {column.size} samples: {each}"
+                    for each in said
+                    if not each.startswith("Left out as missing")
+                )
             kept.append(channel_of(name, column, unit, stretches, about))
         if not kept:
             raise RecordingError(f"{self.name} has no channel to analyse.")
+        self._findings |= dict.fromkeys(about_units(known, self._first, self._unit))
         if all(usable(channel.samples, channel.stretches).size for channel in kept):
             self._findings |= dict.fromkeys(about_gravity(kept))
         return tuple(replace(each, samples=np.empty(0), stretches=()) for each in kept)

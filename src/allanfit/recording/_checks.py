@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from scipy.stats import nbinom
 
+from ._no_sensor import why_counter
 from ._recording import Channel
 from ._timestamps import SHORTEST_STRETCH
 from ._units import parse_unit
@@ -69,17 +70,6 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
     return why_counter(samples)
 
 
-def why_counter(samples: Float64[np.ndarray, " usable"]) -> str:
-    """Why samples that rise all the time, or fall all the time, are no noise; nothing of others."""
-    steps = np.diff(samples)
-    if not steps.size or steps.min() <= 0 <= steps.max():
-        return ""
-    return (
-        "it changes the same way at every sample, as a counter or time stamps do, or an angle or a "
-        "velocity that was summed up"
-    )
-
-
 def about_samples(
     samples: Float64[np.ndarray, " samples"],
     stretches: tuple[tuple[int, int], ...],
@@ -109,13 +99,19 @@ def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
 
     Tiny for samples that are not rounded at all, 0 for constant ones.
     """
+    if samples.size == 0:
+        return 0.0
     values = np.sort(_fresh(samples)[:_ENOUGH])
     if values[0] == values[-1]:
         return 0.0
     low, high = np.quantile(values, [0.05, 0.95])
     steps = np.diff(values)
-    # A code stored in floating point may come out as several values close together.
-    steps = steps[steps > 1e-4 * (high - low)]
+    steps = steps[steps > 0]
+    # A code stored in floating point may come out as several values close together. But where
+    # hardly a step is wider than that, the range holds many codes, and those steps are holes.
+    wide = steps > 1e-4 * (high - low)
+    if np.mean(wide) > 0.01:
+        steps = steps[wide]
     small = np.quantile(steps, 0.1)
     return float(steps[steps < 1.5 * small].mean())
 

@@ -12,9 +12,12 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from ._csv_layout import HEAD, MISSING, Layout, find_layout, is_number, nameless
+from ._csv_digits import grouped, is_grouped, is_number
+from ._csv_header import nameless
+from ._csv_layout import HEAD, MISSING, Layout, find_layout
 from ._files import refuse_bomb
 from ._recording import Block, RecordingError, Table
+from ._text_clock import TextClock, find_text_clock, is_date, lacks_seconds
 from ._timestamps import is_time
 from ._wording import count
 
@@ -27,7 +30,7 @@ _EXACT_DIGITS = 15
 
 
 def read_csv(path: Path) -> Table:
-    """Columns of numbers from `.csv`, `.txt` or either of them gzipped.
+    """Columns of numbers from `.csv`, `.txt`, `.tsv` or one of them gzipped.
 
     **Raises** `RecordingError` when the file is no such table, with the line that is in the way.
     """
@@ -75,15 +78,54 @@ def _before_last_lines(text: bytes) -> int:
 
 def _table(file: str, text: bytes, layout: Layout, ended: bool = True) -> Table:
     frame = _parse(file, _body(text, layout), layout, ended)
-    columns, findings = {}, ()
+    frame.columns = layout.names
+    texts = {
+        name: field
+        for name, field, column in zip(layout.names, layout.first, frame, strict=True)
+        if column.dtype == pl.String
+    }
+    numbers = [name for name in layout.names if name not in texts]
+    known = any(is_time(name, layout.units.get(name, "")) for name in numbers)
+    clock = None if known else find_text_clock(texts)
+    columns, units, findings = {}, layout.units, layout.findings
+    if ended:
+        findings += _about_end(text, layout)
     for position, (name, column) in enumerate(zip(layout.names, frame, strict=True), start=1):
         empty = column.null_count() == column.len()
-        if column.dtype == pl.String:
-            findings += (f"The column {name} holds text and is left out.",)
+        if clock is not None and name == clock.time:
+            columns[name], unit = clock.read(frame)
+            units = units | {name: unit}
+        elif column.dtype == pl.String:
+            findings += _about_text(name, texts[name], clock)
         # A nameless column without a value comes of lines that end in a separator.
         elif not (empty and name == nameless(position)):
             columns[name] = column.to_numpy()
-    return Table(columns, layout.units, findings=findings)
+    return Table(columns, units, findings=findings)
+
+
+def _about_end(text: bytes, layout: Layout) -> tuple[str, ...]:
+    """A finding when the last line is short of a field."""
+    line = text.rstrip().rpartition(b"\n")[2]
+    found = line.count(layout.separator.encode()) + 1
+    # A separator at the end of a line divides nothing.
+    needed = len(layout.names) - (not layout.first[-1])
+    if layout.separator == " " or line.startswith(b"#") or found >= needed:
+        return ()
+    return (
+        f"The last line has {count(found, 'field')} of {needed}: the file was cut off there, and "
+        "what is missing is left out.",
+    )
+
+
+def _about_text(name: str, first: str, clock: TextClock | None) -> tuple[str, ...]:
+    if clock is not None and is_date(first):
+        return ()
+    if clock is None and lacks_seconds(first):
+        return (
+            f"The column {name} holds times without hours, minutes or seconds, such as "
+            f"{first!r:.40}, and is left out: write them in full, as in 08:00:00.010.",
+        )
+    return (f"The column {name} holds text and is left out.",)
 
 
 @contextmanager
@@ -185,9 +227,11 @@ def _parse(file: str, body: bytes, layout: Layout, ended: bool) -> pl.DataFrame:
             # A word among numbers is an obstacle, a column of words is only left out.
             if failed.any() and (types[position] != pl.String or np.mean(failed) < 0.5):
                 row = int(np.argmax(failed))
+                line, field = layout.line + row, column[row].strip()
+                if is_grouped(field):
+                    raise grouped(file, line, field)
                 raise RecordingError(
-                    f"{file}, line {layout.line + row}, column {name}: "
-                    f"{column[row].strip()[:40]!r} is not a number."
+                    f"{file}, line {line}, column {name}: {field[:40]!r} is not a number."
                 )
             if not failed.any():
                 # Integers too long to be exact, which floats hold as well as they can.

@@ -2,22 +2,20 @@
 
 import csv
 import re
+from collections import Counter
 from dataclasses import dataclass
 
+from ._csv_digits import check_blanks, check_digits, has_decimal_comma, is_grouped, is_number
+from ._csv_header import named, read_header
 from ._recording import RecordingError
+from ._text_clock import is_clock, is_date
 
 MISSING = ("", "NA", "N/A", "#N/A", "null", "NULL", "None")
 _COMMENT = ("#", "%")
-BRACKETED = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
-_GROUPED = re.compile(
-    r"[-+]?\d{1,3}"
-    r"(?:(?:[ '\u00a0\u2009\u202f]\d{3})+(?:[.,]\d*)?|(?:,\d{3})+\.\d*|(?:\.\d{3})+,\d*)"
-)
-_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+")
 # Enough for any header and the first lines below it.
 HEAD = 65_536
-_LONGEST_NAME = 1000
+# As many lines tell how the table is laid out, and titles above it take fewer.
+_TELLING = 100
 
 
 @dataclass(frozen=True)
@@ -35,6 +33,8 @@ class Layout:
     """Where in the text the numbers begin, as an offset in bytes."""
     line: int
     """The number of the line there, counted from 1."""
+    findings: tuple[str, ...] = ()
+    """What was skipped above them."""
 
 
 def _decode(line: bytes) -> str:
@@ -63,40 +63,69 @@ def find_layout(file: str, text: bytes) -> Layout:
         )
     if not filled:
         raise RecordingError(f"{file} holds no table of numbers.")
-    # The first line may be a header in words, the second is one of numbers in any good file.
-    separator = _separator(lines[filled[:2][-1]])
+    # The first line may be a header in words, and others below it titles.
+    told = Counter(_separator(lines[k]) for k in filled[1 : 1 + _TELLING] or filled)
+    separator = told.most_common(1)[0][0]
     rows = [_fields(lines[k], separator) for k in filled]
-    _check_digits(file, rows, filled, separator)
-    comma = separator != "," and any(
-        _DECIMAL_COMMA.fullmatch(field) for row in rows for field in row
-    )
-    start = next(
-        (at for at, row in enumerate(rows) if any(is_number(field, comma) for field in row)), None
-    )
+    start = _start(file, rows, separator != ",")
+    check_digits(file, rows[start or 0 :], filled[start or 0 :], separator)
     if start is None:
         raise RecordingError(f"{file} holds no table of numbers.")
     first, fields = filled[start], rows[start]
-    if start > 1:
-        raise RecordingError(
-            f"{file}: {start} lines stand above the numbers, the first {lines[filled[0]]!r:.60}, "
-            "and only one header line may: remove the others or begin them with #."
-        )
-    _check_numbers(f"{file}, line {first + 1}", lines[first], separator)
-    if start == 1:
-        header = rows[0]
-        _check_header(f"{file}, line {filled[0] + 1}", header, fields)
+    comma = separator != "," and any(
+        has_decimal_comma(each) for row in rows[start:] for each in row
+    )
+    if separator == ",":
+        check_blanks(f"{file}, line {first + 1}", lines[first], fields)
+    if start > 0:
+        header = read_header(file, rows[:start], filled[:start], fields)
     else:
-        header = _commented(lines[:first], separator)
-        if not all(is_number(field, comma) or field in MISSING for field in fields):
+        header = named(file, _commented(lines[:first], separator), len(fields))
+        if not all(
+            is_number(each, comma) or each in MISSING or is_clock(each) or is_date(each)
+            for each in fields
+        ):
             raise RecordingError(
                 f"{file}, line {first + 1}: {lines[first]!r:.60} mixes numbers and text: give the "
                 "file a header line."
             )
-    names, units = _names(file, header, len(fields))
     offset = 0
     for _ in range(first):
         offset = text.index(b"\n", offset) + 1
-    return Layout(names, units, fields, separator, comma, offset, first + 1)
+    return Layout(
+        header.names,
+        header.units,
+        fields,
+        separator,
+        comma,
+        offset,
+        first + 1,
+        header.findings,
+    )
+
+
+def _start(file: str, rows: list[list[str]], comma: bool) -> int | None:
+    """Which row begins the numbers; None if there is no number.
+
+    Titles and notes may hold numbers too, but have another form than most rows, and a line of
+    words between.
+
+    **Raises** `RecordingError` when what stands above may be a table by itself.
+    """
+    numbers = [tuple(is_number(field, comma) or is_grouped(field) for field in row) for row in rows]
+    forms = Counter(form for form in numbers[-_TELLING:] if any(form))
+    if not forms:
+        return None
+    usual = forms.most_common(1)[0][0]
+    start = next(k for k, form in enumerate(numbers) if form == usual)
+    while start > 0 and any(numbers[start - 1]):
+        start -= 1
+    if start > _TELLING or any(map(all, numbers[:start])):
+        raise RecordingError(
+            f"{file}: {start} lines stand above the numbers, the first {' '.join(rows[0])!r:.60}, "
+            "and they are no titles alone: remove them or begin them with #."
+        )
+    return start
 
 
 def _separator(line: str) -> str:
@@ -112,90 +141,9 @@ def _fields(line: str, separator: str) -> list[str]:
     return [field.strip().strip('"') for field in fields]
 
 
-def is_number(field: str, decimal_comma: bool) -> bool:
-    """Whether a field of the text is a number."""
-    try:
-        float(field.replace(",", ".") if decimal_comma else field)
-    except ValueError:
-        return False
-    return True
-
-
-def _check_numbers(where: str, line: str, separator: str) -> None:
-    fields = _fields(line, separator)
-    if separator == "," and any(re.fullmatch(r"[-+\d.]+\s+[-+\d.]+", field) for field in fields):
-        raise RecordingError(
-            f"{where}: {line!r:.60} mixes commas and blanks: write decimal points, or put "
-            "semicolons between the columns."
-        )
-
-
-def _check_digits(file: str, rows: list[list[str]], lines: list[int], separator: str) -> None:
-    """Refuse numbers whose commas, blanks or points do not divide columns from each other.
-
-    A lone comma is a decimal one between other separators; between quotation marks it is not.
-    """
-    for line, row in zip(lines, rows, strict=True):
-        for field in row:
-            if _GROUPED.fullmatch(field) or (separator == "," and _THOUSANDS.fullmatch(field)):
-                raise RecordingError(
-                    f"{file}, line {line + 1}: {field!r:.40} has separators of thousands: write "
-                    "numbers without them."
-                )
-    if separator != "," or any("." in field for row in rows for field in row):
-        return
-    for line, row in zip(lines, rows, strict=True):
-        # No integer is written as -0; what is below 1 often begins so.
-        if len(row) % 2 == 0 and any(field in ("-0", "+0") for field in row[::2]):
-            raise RecordingError(
-                f"{file}, line {line + 1}: {','.join(row)!r:.60} looks like decimal commas between "
-                "commas: write decimal points, or put semicolons between the columns."
-            )
-
-
-def _check_header(where: str, header: list[str], fields: list[str]) -> None:
-    if len(header) in (len(fields), len(fields) - (not fields[-1])):
-        return
-    hint = ""
-    if len(fields) == 2 * len(header):
-        hint = " (for decimal commas, put semicolons between the columns)"
-    raise RecordingError(
-        f"{where}: {' '.join(header)!r:.60} has {len(header)} fields and the numbers below it "
-        f"{len(fields)}: correct it or begin it with #{hint}."
-    )
-
-
 def _commented(above: list[str], separator: str) -> list[str]:
     """The fields of the last comment above the numbers, which often is a header."""
     comments = [line for line in above if line.lstrip().startswith(_COMMENT)]
     if not comments:
         return []
     return _fields(comments[-1].lstrip().lstrip("".join(_COMMENT)), separator)
-
-
-def _names(file: str, header: list[str], columns: int) -> tuple[list[str], dict[str, str]]:
-    """Names of `columns` columns and the units that stand in brackets behind them."""
-    if header and len(header) == columns - 1:
-        # Lines that end in a separator.
-        header = [*header, ""]
-    if len(header) != columns:
-        header = ["data"] if columns == 1 else [""] * columns
-    names, units = [], {}
-    for position, field in enumerate(header, start=1):
-        if len(field) > _LONGEST_NAME:
-            raise RecordingError(
-                f"{file}: the name of column {position} has {len(field)} characters: shorten it."
-            )
-        bracketed = BRACKETED.fullmatch(field)
-        name = (bracketed[1] if bracketed else field) or nameless(position)
-        if name in names:
-            raise RecordingError(f"{file} has two columns named {name}: rename one.")
-        names.append(name)
-        if bracketed:
-            units[name] = bracketed[2].strip()
-    return names, units
-
-
-def nameless(position: int) -> str:
-    """What a column without a name is called, counted from 1."""
-    return f"channel_{position}"

@@ -18,7 +18,11 @@ from ._ulog import read_ulog, ulog_topics
 
 _Read = TypeVar("_Read")
 
-_KNOWN = ".csv, .csv.gz, .txt, .npy, .npz, .parquet, .mat, .h5, .bag, .mcap, .db3 or .ulg file"
+_KNOWN = (
+    ".csv, .csv.gz, .txt, .tsv, .npy, .npz, .parquet, .mat, .h5, .bag, .mcap, .db3 or .ulg file"
+)
+
+_SPREADSHEETS = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,7 @@ _ROS = _Format(read_ros, ros_topics)
 _FORMATS = {
     ".csv": _CSV,
     ".txt": _CSV,
+    ".tsv": _CSV,
     ".npy": _one_table(read_npy, npy_blocks),
     ".npz": _one_table(read_npz, npz_blocks),
     ".parquet": _one_table(read_parquet, parquet_blocks),
@@ -137,6 +142,10 @@ def _checked(path: Path, read: Callable[[_Format], _Read]) -> _Read:
         elif found is None:
             raise RecordingError(
                 f"{path} is a folder: give the file of a recording, or a ROS 2 bag."
+            )
+        if path.suffix.lower() in _SPREADSHEETS:
+            raise RecordingError(
+                f"{path.name} is a spreadsheet: export the sheet of the recording as CSV."
             )
         if found is None:
             raise RecordingError(

@@ -8,13 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ._checks import about_gravity, about_samples, split, usable, why_useless
+from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
 from ._mistakes import about_mistakes
+from ._no_sensor import why_flag
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
+from ._unit_endings import unit_in_name
 from ._units import Unit, parse_unit
+from ._wording import count
 
 # From a clock compared once a week to what no converter reaches.
 _RATES = (1e-6, 1e9)
@@ -38,9 +41,9 @@ def load(
 
     **Arguments:**
 
-    - `path`: a `.csv`, `.txt` (either may be gzipped: `.csv.gz`), `.npy` or `.npz` file; with the
-        extra `io` also `.parquet`, `.mat`, `.h5`, `.hdf5`, a ROS 1 or 2 bag, `.mcap` or PX4's
-        `.ulg`. A column named `time`, `time_s`, `timestamp` or `t` holds time stamps.
+    - `path`: a `.csv`, `.txt` or `.tsv` (each may be gzipped: `.csv.gz`), `.npy` or `.npz` file;
+        with the extra `io` also `.parquet`, `.mat`, `.h5`, `.hdf5`, a ROS 1 or 2 bag, `.mcap` or
+        PX4's `.ulg`. A column named `time`, `time_s`, `timestamp` or `t` holds time stamps.
     - `rate_hz`: samples a second. Without it the file's own is used, or else the time stamps'.
     - `channels`: names of the channels to analyse. Without it all are but temperatures,
         magnetometers and time stamps.
@@ -73,25 +76,34 @@ def load(
         check_rate(rate_hz, f"rate_hz in {path.name}")
     stamps, aside, warm, asked = columns_of(path, table, channels)
     check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
+    # Of so few samples the time stamps tell no rate either.
+    samples = max(table.columns[name].size for name in asked)
+    if stamps and samples < FEWEST_SAMPLES:
+        raise RecordingError(
+            f"{path.name} cannot be analysed: it has {count(samples, 'sample')}, and at least "
+            f"{FEWEST_SAMPLES} are needed."
+        )
     clock = clock_of(path, table, stamps, rate_hz)
     units = units_of(asked, aside, table, unit)
-    findings = [*table.findings, *clock.findings, *about_units(units)]
-    kept = []
+    kept, left_out = [], []
     for name in asked:
         values = table.columns[name].astype(np.float64)
         stretches = split(np.isfinite(values), clock.breaks)
-        useless = why_useless(usable(values, stretches))
-        if useless and (channels or len(asked) == 1):
+        used = usable(values, stretches)
+        wanted = bool(channels) or len(asked) == 1
+        useless = why_state(name, used, units[name], wanted) or why_useless(used)
+        if useless and wanted:
             raise RecordingError(f"{path.name}: channel {name} cannot be analysed: {useless}.")
         if useless:
-            findings.append(f"The channel {name} is left out: {useless}.")
+            left_out.append(f"The channel {name} is left out: {useless}.")
             continue
         about = about_samples(values, stretches, units[name].name, clock.rate_hz)
         kept.append(channel_of(name, values, units[name], stretches, about))
     if not kept:
-        raise RecordingError(f"{path.name} has no channel to analyse. {findings[-1]}")
+        raise RecordingError(f"{path.name} has no channel to analyse. {left_out[-1]}")
     auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
-    findings += doubts
+    said = about_units({channel.name: units[channel.name] for channel in kept}, table, unit)
+    findings = [*table.findings, *clock.findings, *said, *left_out, *doubts]
     digest = hashlib.sha256()
     for channel in (*kept, *(each for each in auxiliary if each.kind == "temperature")):
         digest.update(channel.samples.data)
@@ -121,9 +133,7 @@ def columns_of(
     path: Path, table: Table, channels: Sequence[str] | None
 ) -> tuple[str | None, set[str], set[str], list[str]]:
     """Time stamps, what is recorded beside the channels, temperatures in it, and the channels."""
-    warm = {
-        name for name in table.columns if is_temperature(name, table.units.get(name, ""), table)
-    }
+    warm = {name for name in table.columns if is_temperature(name, table.unit(name), table)}
     times = [name for name in time_columns(table.columns, table.units) if name not in warm]
     names = [name for name in table.columns if name not in times]
     aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
@@ -186,11 +196,10 @@ def units_of(
 ) -> dict[str, Unit]:
     """The unit of each channel, `override` put in place where it fits."""
     given = None if override is None else parse_unit(override)
-    stated = {name: table.units.get(name, "") for name in names}
     units = {
-        name: Unit(stated[name], si_unit=stated[name])
+        name: Unit(table.unit(name), si_unit=table.unit(name))
         if name in aside
-        else _unit(name, stated[name], given)
+        else _unit(name, table.units.get(name, ""), given)
         for name in names
     }
     if given is not None and given not in units.values():
@@ -204,15 +213,16 @@ def units_of(
 
 def _unit(name: str, stated: str, given: Unit | None) -> Unit:
     try:
-        unit = parse_unit(stated)
+        unit = parse_unit(stated or unit_in_name(name))
     except RecordingError:
         if given is None:
             raise
-        unit = Unit("")
+        unit, stated = Unit(""), ""
     if given is None:
         return unit
-    kind = unit.kind if unit.name else _kind_by_name(name)
-    fits = kind in (None, given.kind) or (given.kind == "other" and not unit.name)
+    measured = None if unit.kind == "other" else unit.kind
+    kind = unit.kind if stated else _kind_by_name(name) or measured
+    fits = kind in (None, given.kind) or (given.kind == "other" and not stated)
     return given if fits else unit
 
 
@@ -220,9 +230,21 @@ def _kind_by_name(name: str) -> str | None:
     return next((kind for kind, pattern in _KIND_BY_NAME if pattern.search(name)), None)
 
 
-def about_units(units: dict[str, Unit]) -> list[str]:
-    """Findings on units that are missing or do not go with the name of their channel."""
-    findings = []
+def why_state(name: str, samples: np.ndarray, unit: Unit, wanted: bool) -> str:
+    """Why a channel is a flag, "" if nothing says so or if something says that it is a sensor."""
+    sensor = wanted or unit.kind != "other" or _kind_by_name(name) is not None
+    return "" if sensor else why_flag(samples)
+
+
+def about_units(units: dict[str, Unit], table: Table, override: str | None) -> list[str]:
+    """Findings on units that are missing, in names, or do not go with the name of their channel."""
+    findings, ends = [], {}
+    for name, unit in units.items():
+        if not table.units.get(name) and unit.name not in ("", (override or "").strip()):
+            ends[unit.name] = [*ends.get(unit.name, []), name]
+    if ends:
+        told = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in ends.items())
+        findings.append(f"Units are taken from the names: {told}.")
     bare = [name for name, unit in units.items() if not unit.name]
     if bare:
         findings.append(
@@ -265,7 +287,7 @@ def _auxiliary(
     for name, column in table.columns.items():
         if name not in aside or name in asked:
             continue
-        values, unit = column.astype(np.float64), table.units.get(name, "")
+        values, unit = column.astype(np.float64), table.unit(name)
         if name in warm:
             channel, doubts = read_temperature(name, values, unit, length, clock)
             findings += doubts

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..extras import needs
-from ._csv_layout import BRACKETED
+from ._csv_header import BRACKETED
 from ._damage import careful
 from ._files import refuse_bomb
 from ._names import is_rate, units_by_channel

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float64
 
+from ._unit_endings import unit_in_name
+
 
 class RecordingError(ValueError):
     """A recording cannot be used; the message says why and what to do, in one sentence."""
@@ -70,6 +72,10 @@ class Table:
     """Samples a second, where the file gives it."""
     findings: tuple[str, ...] = field(default=())
     """What was left out in reading."""
+
+    def unit(self, name: str) -> str:
+        """The unit of a column: as the file gives it, or else as its name ends, or else ""."""
+        return self.units.get(name) or unit_in_name(name)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,9 @@ from ._wording import count, percent
 SHORTEST_STRETCH = 16
 """Fewer samples than this between two gaps carry nothing an analysis could use."""
 
+OF_DAY = "ns of the day"
+"""The unit of stamps that begin again at midnight."""
+
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _SPELLINGS = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "nsec": "ns"}
 _WHOSE = "elapsed|epoch|unix|utc|gps|ros|system|sys|host|device|dev|sensor|sample|header|log"
@@ -28,6 +31,12 @@ _NAME = re.compile(
 )
 # Loggers that count give the unit as the name.
 _COUNTS = {"millis": "ms", "micros": "us", "nanos": "ns", "seconds_elapsed": "s"}
+
+_DAY_NS = 86_400e9
+# Days since 1900 in spreadsheets, since the year 0 in MATLAB; as s, such stamps of sensors that
+# are read in more than 4 s would be less than 50 us apart.
+_DAYS = ((3e4, 8e4), (7e5, 8e5))
+_SHORT_FOR_S = 5e-5
 
 # Stamps catch up within a burst or a blocked moment; no transport holds more samples than this.
 CATCH_UP = 1024
@@ -52,7 +61,7 @@ class Clock:
 
 def is_time(name: str, unit: str = "") -> bool:
     """Whether a column holds times, by its name or by its unit."""
-    return _has_name_of_time(name) or _plain_unit(unit) in _SECONDS
+    return _has_name_of_time(name) or _plain_unit(unit) in _SECONDS or unit == OF_DAY
 
 
 def time_columns(columns: Iterable[str], units: Mapping[str, str]) -> list[str]:
@@ -81,8 +90,10 @@ def read_clock(
     """
     if stamps.size < 2 * SHORTEST_STRETCH:
         raise _unusable(f"there are only {stamps.size}")
+    if unit == OF_DAY:
+        stamps, unit = _over_midnight(stamps), "ns"
     ticks, findings = _from_first(stamps)
-    tick, doubt = _tick(name, unit, _typical_interval(ticks), given_hz)
+    tick, doubt = _tick(name, unit, stamps, _typical_interval(ticks), given_hz)
     time = ticks * tick
     steps = np.diff(time)
     backward = int(np.count_nonzero(steps < 0))
@@ -127,6 +138,16 @@ def _unusable(reason: str) -> RecordingError:
     return RecordingError(f"The time stamps cannot be used: {reason}.")
 
 
+def _over_midnight(stamps: Num[np.ndarray, " samples"]) -> Float64[np.ndarray, " samples"]:
+    """Times of the day in ns as a time that goes on at midnight."""
+    time = stamps.astype(np.float64)
+    present = np.isfinite(time)
+    # A day has no more digits than a float, and what goes back by less is no new day.
+    new_day = np.diff(time[present]) < -0.5 * _DAY_NS
+    time[present] += _DAY_NS * np.concatenate([[0], np.cumsum(new_day)])[: np.sum(present)]
+    return time
+
+
 def _from_first(
     stamps: Num[np.ndarray, " samples"],
 ) -> tuple[Float64[np.ndarray, " samples"], tuple[str, ...]]:
@@ -162,7 +183,11 @@ def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
 
 
 def _tick(
-    name: str, unit: str, interval: float, given_hz: float | None
+    name: str,
+    unit: str,
+    stamps: Num[np.ndarray, " samples"],
+    interval: float,
+    given_hz: float | None,
 ) -> tuple[float, tuple[str, ...]]:
     """Seconds in one unit of the stamps, and a finding when that had to be inferred."""
     suffix = _NAME.fullmatch(name)
@@ -172,6 +197,13 @@ def _tick(
         if stated not in _SECONDS:
             raise _unusable(f"their unit '{unit}' is none of s, ms, us and ns")
         return _SECONDS[stated], ()
+    middle = float(np.nanmedian(stamps))
+    if 0 < interval < _SHORT_FOR_S and any(low <= middle <= high for low, high in _DAYS):
+        finding = (
+            "The time stamps are taken to be in days, as spreadsheets count them: they are about "
+            f"{middle:.8g}, and {interval:.4g} apart."
+        )
+        return 86_400.0, (finding,)
     # Inertial sensors are sampled between 1 Hz and 1 kHz, give or take.
     inferred = "s" if interval < 1 else "ms" if interval < 1e3 else "us" if interval < 1e6 else "ns"
     if given_hz is not None and interval > 0:

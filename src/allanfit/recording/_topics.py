@@ -39,7 +39,7 @@ def topic_of(table: Table, name: str = "") -> Topic:
             rate_hz = None
     channels = [column for column in table.columns if column not in times]
     samples = max((table.columns[column].size for column in channels), default=0)
-    units = {column: table.units.get(column, "") for column in channels}
+    units = {column: table.unit(column) for column in channels}
     return Topic(name, "", samples, rate_hz, units)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ._csv_layout import BRACKETED
+from ._csv_header import BRACKETED
 from ._names import is_rate, is_unit, units_by_channel
 from ._recording import RecordingError, Table
 from ._temperature import is_temperature

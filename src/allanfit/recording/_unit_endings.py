@@ -1,0 +1,33 @@
+"""Units at the end of names, as in `wx_dps`: those that mean nothing else there."""
+
+import re
+
+# Not `degs`, `rads` and `m_s_2`: plurals of angles, and the second of several velocities.
+_SURE = (
+    ("deg/s", r"dps|degps|deg_(?:per_)?s(?:ec)?"),
+    ("deg/h", r"dph|deg_(?:per_)?h(?:r|our)?"),
+    ("mdps", r"mdps"),
+    ("rad/s", r"radps|rad_(?:per_)?s(?:ec)?"),
+    ("mrad/s", r"mradps|mrad_(?:per_)?s(?:ec)?"),
+    ("m/s^2", r"mps2|m_?(?:per_)?s(?:2|\^2|_squared)"),
+    ("degC", r"deg_?C|celsius"),
+    ("counts", r"counts|cts|lsb"),
+)
+_ENDINGS = tuple(
+    (unit, re.compile(rf".*[\W_](?:{ending})", re.IGNORECASE)) for unit, ending in _SURE
+)
+# A letter or two may mean more; beside what they belong to they do not.
+_ACCELERATION = re.compile(r"(?:.*[\W_])?(?:a[xyz]|acc[a-z]*(?:[\W_]*[xyz])?)[\W_]([mu]?g)", re.I)
+_TEMPERATURE = re.compile(r"(?:(?:.*[\W_])?[Tt]emp\w*|T)[\W_]([CKF])")
+
+
+def unit_in_name(name: str) -> str:
+    """The unit at the end of a name, "" where there is none or where it might be something else."""
+    for unit, ending in _ENDINGS:
+        if ending.fullmatch(name):
+            return unit
+    if found := _ACCELERATION.fullmatch(name):
+        return found[1].lower()
+    if found := _TEMPERATURE.fullmatch(name):
+        return {"C": "degC", "K": "K", "F": "degF"}[found[1]]
+    return ""
