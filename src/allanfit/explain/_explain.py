@@ -289,7 +289,7 @@ def _explain_channel(
 
 
 def _plain(name: str) -> str:
-    return name.replace("_", " ")
+    return name.replace("gauss_markov", "Gauss-Markov").replace("_", " ")
 
 
 def _finite(value: Any) -> float | None:

@@ -24,7 +24,7 @@ _SMALLEST = 1e-100
 _ENOUGH = 200_000
 # As many samples on one extreme value may be no chance, if they are as many times those expected,
 # and chance is less than this.
-_PILE, _HIGHER, _NO_CHANCE = 4, 3.0, 1e-4
+_PILE, _HIGHER, _NO_CHANCE = 3, 3.0, 1e-4
 # Samples in the bin next to an extreme, at least.
 _IN_BIN = 8
 _WINDOW = 64
