@@ -133,7 +133,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             for name, each in (("cutoff_frequency", cutoff / dt), ("order", order))
         }
         flags = {"digital_low_pass": "digital", "averaged_low_pass": "averaged"}
-        flag = {flags[draws.likeliest]: np.ones(2)} if draws.likeliest in flags else {}
+        flag = {flags[kinds.shaping]: np.ones(2)} if kinds.shaping in flags else {}
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
             Effect(

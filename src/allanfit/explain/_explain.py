@@ -264,6 +264,8 @@ def _explain_channel(
     if not state.findings and state.unexplained is None:
         return ChannelExplanation(channel, fit, None, state, (), None, None, reference)
     draws = sample_structure(state.model, state.data, seed, quick=not posterior)
+    if draws.likeliest is not None:
+        state.model = draws.likeliest
     effects = tuple(effects_of(state, draws, state.stride * dt, seed))
     after = fit_after(fit, state, draws, seed)
     moved = state.all_moved

@@ -48,8 +48,8 @@ class Draws(NamedTuple):
     theta: Float[np.ndarray, "draws parameters"]
     #: Cut-off frequency [cycles per sample] and order of a filter, shape (draws, 2), or none.
     filtering: Float[np.ndarray, "draws two"] | None = None
-    #: The kind of filter that fits best, and which draws are of it.
-    likeliest: str = ""
+    #: The structure with the likeliest kind of filter, and which draws are of it.
+    likeliest: Model | None = None
     of_likeliest: Bool[np.ndarray, " draws"] | None = None
 
 
@@ -67,7 +67,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
     costs = [each.deviance + min(rise_without(0, each, data), PRICE) for each in models]
     weights = np.exp((min(costs) - np.array(costs)) / 2)
     weights /= weights.sum()
-    likeliest = models[int(np.argmax(weights))].kinds.shaping or ""
+    likeliest = models[int(np.argmax(weights))]
     parts, rng = [], np.random.default_rng(seed)
     for each, weight in zip(models, weights, strict=True):
         if weight > _OPEN:
@@ -75,7 +75,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
             kept = rng.random(len(drawn.power)) < weight / weights.max()
             three = drawn.theta[kept, TERMS : TERMS + EACH].T
             two = shape_of(each.kinds.shaping or "", three, data.samples)
-            best = np.full(kept.sum(), each.kinds.shaping == likeliest)
+            best = np.full(kept.sum(), each is likeliest)
             parts.append((drawn.power[kept], drawn.theta[kept], np.stack(two, axis=1), best))
     power, theta, filtering, best = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Draws(power, theta, filtering, likeliest, best)
