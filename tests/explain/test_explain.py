@@ -150,3 +150,19 @@ def test_a_simulation_of_other_channels_is_refused(tmp_path):
     np.savez(two, a=noise(15), b=noise(16), rate_hz=RATE)
     with pytest.raises(ValueError, match=r"The simulation has channels a, b"):
         explain_recording(allanfit.load(one), simulation=two)
+
+
+def test_two_resonances_differ_in_two_places(tmp_path):
+    """White noise through two resonators, at 3 and 12 Hz."""
+    rng = np.random.default_rng(41)
+    values = noise(42)
+    for frequency, quality in ((3.0, 8.0), (12.0, 12.0)):
+        angle, loss = 2 * np.pi * frequency / RATE, np.pi * frequency / quality / RATE
+        poles = [1.0, -2 * np.exp(-loss) * np.cos(angle), np.exp(-2 * loss)]
+        rung = np.asarray(lfilter([1.0], poles, rng.standard_normal(SAMPLES)))
+        values = values + 0.012 * rung / rung.std()
+    found = explained(tmp_path, values)
+    assert [effect["name"] for effect in found["effects"]] == ["resonance", "resonance"]
+    bands = sorted((entry["low"], entry["high"]) for entry in found["mismatch"])
+    for (low, high), frequency in zip(bands, (3.0, 12.0), strict=True):
+        assert low < frequency < high
