@@ -70,16 +70,8 @@ def _images(state: Investigation, chance: float, dt: float) -> dict[str, Any]:
     ratio = float(
         logged_density(np.linspace(0.5 / state.stride, 0.5), state.stride, np.ones_like).mean()
     )
-    return {
-        "domain": "frequency",
-        "low": low,
-        "high": high,
-        "unit": "Hz",
-        "ratio": ratio,
-        "p_value": chance,
-        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has images of what is below, "
-        f"{ratio:.2g} times the power that white noise has there.",
-    }
+    what = f"images of what is below, {ratio:.2g} times the power that white noise has there"
+    return _of_band(low, high, ratio, chance, what)
 
 
 def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float) -> dict[str, Any]:
@@ -104,6 +96,11 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
         if even
         else f"{ratio:.3g} times the power that"
     )
+    return _of_band(low, high, ratio, chance, f"{power} the five terms expect")
+
+
+def _of_band(low: float, high: float, ratio: float, chance: float, what: str) -> dict[str, Any]:
+    """The entry of a band [Hz], in which the recording has `what`."""
     return {
         "domain": "frequency",
         "low": low,
@@ -111,8 +108,7 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
         "unit": "Hz",
         "ratio": ratio,
         "p_value": chance,
-        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {power} the five terms "
-        "expect.",
+        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {what}.",
     }
 
 
