@@ -37,9 +37,11 @@ _COHERENT = 0.8
 _CLASHES = 0.02
 # A longer segment whose beat is nearly as good is better.
 _AS_GOOD = 0.97
+# Of the values that are seen once by a clock faster than half of the log's, so many are enough.
 _PART_OF_SINGLES = 0.3
 # Of what folds, so many orders are taken as they are, and those beyond as white.
 _ORDERS = 8
+# Points of a segment's spectrum for each of its ordinates.
 _PADDING = 8
 
 
@@ -197,8 +199,8 @@ def _line(parts: Float[np.ndarray, "segments times"]) -> float:
     """The first of the lines of the mean spectrum of segments [cycles per sample]."""
     length = _PADDING * parts.shape[1]
     power = np.mean(np.abs(np.fft.rfft(parts, length, axis=1)) ** 2, axis=0)
-    # Harmonics are nearly as strong, if values are seldom repeated or often.
-    # The highest may stand at the very end.
+    # Harmonics are nearly as strong, if values are seldom repeated or often; and the highest may
+    # stand at the very end.
     return float(find_peaks(np.append(power, 0.0), height=power.max() / 2)[0][0] / length)
 
 

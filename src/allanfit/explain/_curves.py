@@ -8,7 +8,7 @@ from ..curves import allan_variance
 from ..identify import Fit
 from ..identify._curves_document import curves_document, listed
 from ._clock import logged_density
-from ._effects import Effect
+from ._effect import Effect
 from ._search import mean_density
 from ._state import Investigation
 from ._structure import effects_density
@@ -101,7 +101,9 @@ def _density(fit: Fit, state: Investigation, course, dt: float):
 
     def mean(frequency, density):
         """Over each bin, of the density of the log."""
-        found = logged_density(at, state.stride, lambda f: np.interp(f, frequency, density))
+        found = density
+        if frequency is not at:
+            found = logged_density(at, state.stride, lambda f: np.interp(f, frequency, density))
         return np.bincount(index, found, minlength=middle.size) / count
 
     shares = [mean(frequency, each[used]) for each in added]

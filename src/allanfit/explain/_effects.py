@@ -1,12 +1,13 @@
 """From what an investigation found to named effects with parameters, in SI units and seconds."""
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from . import _means
+from ._effect import Effect
+from ._line_parts import merged
+from ._ordinates import points
 from ._posterior import Draws
 from ._spread import runs
 from ._state import Finding, Investigation
@@ -20,56 +21,6 @@ _ROOM_PERIOD_S = 240.0
 _SURE = 0.99
 _LINE = 0.97
 _LIKELY_ROOM = 0.75
-# Bands that lie as close are parts of one line that is no textbook shape.
-_BESIDE = 1.02
-_SIZES = {"drifting_line": "amplitude", "resonance": "sigma"}
-_TOLD_APART = {
-    "temperature": "log the temperature beside the data and record again",
-    "sinusoid": "log the temperature beside the data and record again",
-    "gauss_markov": "a longer recording: exponents and corners differ over more decades",
-    "random_telegraph": "a longer recording: two levels show in the histogram of block means",
-    "resonance": "a longer recording, or another mounting: a resonance moves with it",
-    "power_law": "a longer recording: exponents and corners differ over more decades",
-    "low_pass": "record with another filter setting or output rate",
-    "drifting_line": "a longer recording: a line keeps its amplitude, a resonance does not",
-    "step": "a longer recording: a step stays, a walk returns",
-    "warm_up": "record again with the sensor warm: a warm-up is gone",
-    "output_rounding": "record in a finer range",
-    "sample_hold": "read the sensor at its own output rate",
-    "variance_modulation": "log what runs beside the sensor",
-    "vibration_rectification": "switch the vibration on and off",
-    "bump": "record with another filter setting, mounting or rate and see what moves",
-}
-
-
-# Told apart by identity: draws are arrays, which `==` compares one by one.
-@dataclass(frozen=True, eq=False)
-class Effect:
-    """One effect that the recording holds."""
-
-    name: str
-    probability: float
-    #: Rivals with their probabilities.
-    alternatives: dict[str, float]
-    #: Draws of each parameter in SI units and seconds, shape (draws,), or a list without spread.
-    parameters: dict[str, Float[np.ndarray, " draws"]]
-    lists: dict[str, list[Any]] = field(default_factory=dict)
-    #: Where it shows [Hz], for the figures.
-    band_hz: tuple[float, float] | None = None
-    #: What is known of it beside its parameters.
-    note: str = ""
-    #: Whether it shows in time alone.
-    in_time: bool = False
-    #: What is told of parameters in place of the medians of their draws.
-    told: dict[str, float] = field(default_factory=dict)
-
-    def value(self, name: str) -> float:
-        """What is told of a parameter, mostly its median."""
-        return self.told.get(name, float(np.median(self.parameters[name])))
-
-    def told_apart(self, rival: str) -> str:
-        """What would tell it from a rival."""
-        return _TOLD_APART.get(rival, _TOLD_APART.get(self.name, "a longer recording"))
 
 
 def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) -> list[Effect]:
@@ -86,7 +37,7 @@ def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) 
     if draws is not None:
         found += _structural(state, draws, dt, seed)
     named = [effect for effect in found if not _disowned(state, effect, dt)]
-    return _merged(named) + [_unknown(unknown, dt) for unknown in state.unknown]
+    return merged(named) + [_unknown(unknown, dt) for unknown in state.unknown]
 
 
 def _disowned(state: Investigation, effect: Effect, dt: float) -> bool:
@@ -203,8 +154,8 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
     total = _means.ordinate_variance(spectrum, state.model, state.data)
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
-    nodes = np.stack([thinned] * 3, axis=1)
-    shape = np.asarray(added_density("gauss_markov", three, nodes, state.data.samples))
+    found = added_density("gauss_markov", three, points(thinned), state.data.samples)
+    shape = np.asarray(found)
     signal = np.minimum(np.interp(frequency, thinned, shape), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
     band = (0.15 / (2 * np.pi * constant * dt), min(3 / (2 * np.pi * constant * dt), 0.5 / dt))
@@ -354,48 +305,3 @@ _MAKERS = {
     "disturbance": _knocked,
     "dropped_samples": _dropped,
 }
-
-
-def _merged(found: list[Effect]) -> list[Effect]:
-    """Parts of one line, whose bands meet, as one effect: the larger names it."""
-    kept: list[Effect] = []
-    for effect in sorted(found, key=lambda each: -_size(each)):
-        same = next((old for old in kept if _one_line(old, effect)), None)
-        if same is None:
-            kept.append(effect)
-        elif same.name == effect.name:
-            kept[kept.index(same)] = _joined(same, effect)
-    return kept
-
-
-def _size(effect: Effect) -> float:
-    return effect.value(_SIZES[effect.name]) if effect.name in _SIZES else np.inf
-
-
-def _one_line(one: Effect, two: Effect) -> bool:
-    if one.name not in _SIZES or two.name not in _SIZES:
-        return False
-    if one.band_hz is None or two.band_hz is None:
-        return False
-    low = max(one.band_hz[0], two.band_hz[0])
-    return low < _BESIDE * min(one.band_hz[1], two.band_hz[1])
-
-
-def _joined(one: Effect, two: Effect) -> Effect:
-    size = "amplitude" if one.name == "drifting_line" else "sigma"
-    count = min(one.parameters[size].size, two.parameters[size].size)
-    a, b = ({k: v[:count] for k, v in each.parameters.items()} for each in (one, two))
-    first, second = a[size] ** 2, b[size] ** 2
-    total = first + second
-    mean = (first * a["frequency"] + second * b["frequency"]) / total
-    values = {size: np.sqrt(total), "frequency": mean}
-    if one.name == "drifting_line":
-        spread = first * (a["width"] ** 2 + (a["frequency"] - mean) ** 2)
-        spread += second * (b["width"] ** 2 + (b["frequency"] - mean) ** 2)
-        values["width"] = np.sqrt(spread / total)
-    else:
-        values["quality_factor"] = np.minimum(a["quality_factor"], b["quality_factor"])
-    assert one.band_hz is not None
-    assert two.band_hz is not None
-    band = (min(one.band_hz[0], two.band_hz[0]), max(one.band_hz[1], two.band_hz[1]))
-    return replace(one, parameters=values, band_hz=band)

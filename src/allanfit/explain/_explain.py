@@ -20,7 +20,8 @@ from ..temperature import beside
 from ._after import fit_after
 from ._compare import Reference, compared, references
 from ._curves import explained_curves
-from ._effects import Effect, effects_of
+from ._effect import Effect
+from ._effects import effects_of
 from ._held_out import HeldOut, held_out
 from ._investigate import ALARM, investigate
 from ._mismatch import mismatches

@@ -12,6 +12,8 @@ from ..recording._checks import code_width, rails, repeated, usable
 _COARSE = 0.25
 # Up to here rounded noise is as good as normal; wider codes look like outliers.
 _DISCRETE = 0.5
+# Log of a chance below which chances are all alike.
+_SURE = -1e4
 _WINDOW = 64
 
 
@@ -41,6 +43,11 @@ class Format:
     clipped: float
     repeat: Repeat | None
 
+    @property
+    def normal(self) -> bool:
+        """Whether values are as normal and as independent as their noise."""
+        return not self.discrete and self.repeat is None
+
 
 def sample_format(
     values: Float[np.ndarray, " samples"], pieces: tuple[tuple[int, int], ...]
@@ -69,4 +76,4 @@ def _repeat(
     mean = 1 / (1 - (found.share - found.by_chance))
     # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
     variance = (found.share * (1 - found.share) + found.by_chance) / used.size
-    return Repeat(mean, mean**2 * variance**0.5, log_p)
+    return Repeat(mean, mean**2 * variance**0.5, max(log_p, _SURE))

@@ -38,7 +38,7 @@ _SHORTEST_QUIET = 1024
 
 def about_spread(state: Investigation, seed: int) -> bool:
     """Outliers, loud times and knocks. Says whether the record has to be cut."""
-    if state.format.discrete or state.format.repeat is not None:
+    if not state.format.normal:
         # Discrete or held samples are not normal, and their whitened record is not either.
         return False
     piece = state.longest

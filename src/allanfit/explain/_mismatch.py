@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _search
 from ._clock import logged_density
-from ._effects import Effect
+from ._effect import Effect
 from ._state import Finding, Investigation
 
 # Part of the evidence that a reported band holds.

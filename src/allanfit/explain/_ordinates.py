@@ -23,6 +23,7 @@ _PADDING = 128
 # Distances from the Nyquist frequency [cycles per sample] between which bins are finer.
 _NEAR_NYQUIST = (0.05, 5e-4)
 _BINS_NEAR_NYQUIST = 24
+# Above this frequency [cycles per sample] the largest density says what the ends may leak.
 _FAST = 0.01
 #: Where leakage asks for a density: from zero to the Nyquist frequency [cycles per sample].
 LEAKAGE_GRID = np.linspace(0.0, 0.5, 2049)
@@ -81,6 +82,11 @@ class Bins(NamedTuple):
 def averaged(values: Float[Array, "bins three"]) -> Float[Array, " bins"]:
     """The mean over each bin of what was computed at its `nodes`."""
     return values @ jnp.asarray(_WEIGHTS, values.dtype)
+
+
+def points(frequency: Float[np.ndarray, " bins"]) -> Float[np.ndarray, "bins three"]:
+    """The nodes of bins without width: a density is asked for at these frequencies."""
+    return np.stack([frequency] * 3, axis=1)
 
 
 def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -> Ordinates:

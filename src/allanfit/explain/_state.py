@@ -25,6 +25,7 @@ from ._ordinates import (
     binned,
     leakage,
     ordinates,
+    points,
 )
 from ._search import Candidate, Model
 from ._spread import Contamination, Modulation
@@ -181,9 +182,7 @@ def about_format(state: Investigation) -> None:
     """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
     made = state.format
     if made.repeat is not None:
-        state.name_once(
-            Finding("sample_hold", max(made.repeat.log_p, -1e4), 0.0, detail=made.repeat)
-        )
+        state.name_once(Finding("sample_hold", made.repeat.log_p, 0.0, detail=made.repeat))
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
     if made.coarse:
@@ -256,8 +255,8 @@ def leave_leakage(state: Investigation) -> None:
     What two ends leak is no noise of its own at each frequency: it would bend the filter.
     """
     kinds, theta = state.model.kinds, state.model.theta
-    nodes = np.repeat(LEAKAGE_GRID[:, None], 3, axis=1)
-    _, passed, _ = shaped(kinds.shaping, theta[TERMS : TERMS + EACH], nodes, state.data.samples)
+    three, nodes = theta[TERMS : TERMS + EACH], points(LEAKAGE_GRID)
+    _, passed, _ = shaped(kinds.shaping, three, nodes, state.data.samples)
     leaked = leakage(2 * np.exp(theta[1]) * np.asarray(passed), state.left.frequency)
     unclean = leaked > _LEAKED * state.spectrum.longest * state.variance
     if unclean.any():

@@ -17,6 +17,7 @@ from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
 from ._climb import filter_slopes
 from ._held_out_values import of_swing
 from ._moving import Band, moving
+from ._ordinates import points
 from ._search import Candidate, Model
 from ._spread import PULLED_IN
 from ._state import Finding, Investigation, whitened_piece
@@ -151,7 +152,7 @@ def _band_of(state: Investigation, group: list[_Narrow]) -> Band:
     low = max(min(each.middle - 3 * each.width for each in group), 1 / samples)
     high = min(max(each.middle + 3 * each.width for each in group), 0.5)
     at = np.linspace(low, high, _SHARES)
-    nodes = np.stack([at] * 3, axis=1)
+    nodes = points(at)
     own = [np.asarray(added_density(each.name, each.three, nodes, samples)) for each in group]
     total = np.interp(at, state.left.frequency, state.variance)
     return Band(low, high, at, np.minimum(np.sum(own, axis=0) / total, 1.0))
@@ -210,7 +211,7 @@ def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
 
 def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Noise that changes in time, but not by white noise that comes and goes."""
-    if state.format.discrete or state.format.repeat is not None:
+    if not state.format.normal:
         # What rounding makes of noise depends on where the mean is.
         return
     powers = tiles(white)
@@ -239,7 +240,7 @@ def _corner_moves(
     if named is None or shaping is None or named.gain <= 0:
         return None
     frequency = np.arange(1, powers.shape[1] - 1) / (2 * (powers.shape[1] - 1))
-    nodes, three = np.stack([frequency] * 3, axis=1), state.model.theta[TERMS : TERMS + EACH]
+    nodes, three = points(frequency), state.model.theta[TERMS : TERMS + EACH]
     folded, slopes = filter_slopes(shaping, three, nodes, state.data.samples)
     gain, log_p = moved_along(powers[:, 1:-1], slopes[:, 1] / folded)
     if log_p > np.log(_CORNER) or gain < _CORNER_SHARE * named.gain:
@@ -280,7 +281,7 @@ def _bump_instead(state: Investigation) -> None:
 
 def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Name noise whose strength swings as something that is not in the catalogue."""
-    if state.format.discrete or state.format.repeat is not None:
+    if not state.format.normal:
         # Codes and held samples make squares of their own.
         return
     if not white.any():

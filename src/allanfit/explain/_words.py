@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ._effects import Effect
+from ._effect import Effect
 
 Parameters = dict[str, dict[str, Any]]
 

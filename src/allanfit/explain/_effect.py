@@ -1,0 +1,55 @@
+"""One effect that a recording holds, with its parameters in SI units and seconds."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+_TOLD_APART = {
+    "temperature": "log the temperature beside the data and record again",
+    "sinusoid": "log the temperature beside the data and record again",
+    "gauss_markov": "a longer recording: exponents and corners differ over more decades",
+    "random_telegraph": "a longer recording: two levels show in the histogram of block means",
+    "resonance": "a longer recording, or another mounting: a resonance moves with it",
+    "power_law": "a longer recording: exponents and corners differ over more decades",
+    "low_pass": "record with another filter setting or output rate",
+    "drifting_line": "a longer recording: a line keeps its amplitude, a resonance does not",
+    "step": "a longer recording: a step stays, a walk returns",
+    "warm_up": "record again with the sensor warm: a warm-up is gone",
+    "output_rounding": "record in a finer range",
+    "sample_hold": "read the sensor at its own output rate",
+    "variance_modulation": "log what runs beside the sensor",
+    "vibration_rectification": "switch the vibration on and off",
+    "bump": "record with another filter setting, mounting or rate and see what moves",
+}
+
+
+# Told apart by identity: draws are arrays, which `==` compares one by one.
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One effect that the recording holds."""
+
+    name: str
+    probability: float
+    #: Rivals with their probabilities.
+    alternatives: dict[str, float]
+    #: Draws of each parameter in SI units and seconds, shape (draws,), or a list without spread.
+    parameters: dict[str, Float[np.ndarray, " draws"]]
+    lists: dict[str, list[Any]] = field(default_factory=dict)
+    #: Where it shows [Hz], for the figures.
+    band_hz: tuple[float, float] | None = None
+    #: What is known of it beside its parameters.
+    note: str = ""
+    #: Whether it shows in time alone.
+    in_time: bool = False
+    #: What is told of parameters in place of the medians of their draws.
+    told: dict[str, float] = field(default_factory=dict)
+
+    def value(self, name: str) -> float:
+        """What is told of a parameter, mostly its median."""
+        return self.told.get(name, float(np.median(self.parameters[name])))
+
+    def told_apart(self, rival: str) -> str:
+        """What would tell it from a rival."""
+        return _TOLD_APART.get(rival, _TOLD_APART.get(self.name, "a longer recording"))
