@@ -1,6 +1,7 @@
 """Both curves of a file in one pass, in bounded memory: `curves_of_file`."""
 
 import os
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ from jaxtyping import Float
 
 from .curves import LongStatistics
 from .recording import Blocks, RecordingError, read_in_blocks
+from .recording._blocks import Run
 from .recording._checks import FEWEST_SAMPLES
 
 
@@ -92,10 +94,16 @@ def read_statistics(blocks: Blocks) -> dict[str, LongStatistics]:
     **Raises** `RecordingError` when none can.
     """
     taken = {channel.name: LongStatistics() for channel in blocks.channels}
-    for run in blocks:
-        taken[run.channel].add(run.samples)
-        if run.ends:
-            taken[run.channel].end_stretch()
+    # Channels are taken in side by side, while the file is read on. Each waits for its last run,
+    # which keeps the order, and memory bounded.
+    working: dict[str, Future] = {}
+    with ThreadPoolExecutor() as pool:
+        for run in blocks:
+            if run.channel in working:
+                working[run.channel].result()
+            working[run.channel] = pool.submit(_take, taken[run.channel], run)
+        for each in working.values():
+            each.result()
     for each in taken.values():
         each.end_stretch()
     usable = {name: each for name, each in taken.items() if not _why_useless(each)}
@@ -105,6 +113,12 @@ def read_statistics(blocks: Blocks) -> dict[str, LongStatistics]:
             f"{blocks.name}: channel {name} cannot be analysed: {_why_useless(first)}."
         )
     return usable
+
+
+def _take(taken: LongStatistics, run: Run) -> None:
+    taken.add(run.samples)
+    if run.ends:
+        taken.end_stretch()
 
 
 def findings_of(blocks: Blocks, statistics: dict[str, LongStatistics]) -> tuple[str, ...]:

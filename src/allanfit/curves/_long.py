@@ -184,7 +184,8 @@ class _Level:
                 difference = known[begin - step : end - step] * -2.0
                 difference += known[begin:]
                 difference += known[begin - 2 * step : end - 2 * step]
-                self.sums[place] += difference @ difference
+                # Not by BLAS, whose threads would wait for one another on a busy machine.
+                self.sums[place] += np.einsum("i,i->", difference, difference)
                 self.counts[place] += len(difference)
         self._tail = known[-2 * int(self._steps.max()) :].copy()
 

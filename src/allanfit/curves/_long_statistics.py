@@ -1,6 +1,7 @@
 """Both curves of a record longer than memory, and what a fit expects of them."""
 
 from collections import Counter
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import jax
 import jax.numpy as jnp
@@ -32,12 +33,15 @@ class LongStatistics:
     """Takes the samples [u] of one sensor block by block, and then gives what a fit needs.
 
     The Allan variance is that of `LongAllanVariance`, the spectrum that of `LongSpectrum`.
-    Stretches of fewer than 16 samples are left out.
+    Stretches of fewer than 16 samples are left out. The spectrum is taken in a thread of its own,
+    beside the variance; samples handed over must not be changed afterwards.
     """
 
     def __init__(self):
         self._allan = LongAllanVariance(cluster_sizes(_LONGEST))
         self._spectrum = LongSpectrum()
+        self._beside = ThreadPoolExecutor(1)
+        self._spectral: Future | None = None
         self._odd_modes: list[Float[np.ndarray, " modes"]] = []
         self._lengths: list[int] = []
         self._short: list[Float[np.ndarray, " samples"]] = []
@@ -70,18 +74,26 @@ class LongStatistics:
             return
         block = np.concatenate([*self._short, block]) if self._short else block
         self._short = []
+        self._await_spectrum()
+        self._spectral = self._beside.submit(self._spectrum.add, block)
         self._allan.add(block)
-        self._spectrum.add(block)
         self._total += float(block.sum())
 
     def end_stretch(self) -> None:
         """What comes next is behind a gap."""
         if self._length >= _SHORTEST_STRETCH:
+            self._await_spectrum()
             self._allan.end_stretch()
             odd = self._spectrum.end_stretch()[: 2 * RAMP_MODES : 2]
             self._odd_modes.append(np.pad(odd, (0, RAMP_MODES - len(odd))))
             self._lengths.append(self._length)
         self._short, self._length = [], 0
+
+    def _await_spectrum(self) -> None:
+        """No more than one block waits, so that memory stays bounded."""
+        if self._spectral is not None:
+            self._spectral.result()
+            self._spectral = None
 
     def value(self, sampling: Sampling = "point") -> tuple[Statistics, Design]:
         """The statistics of all stretches that have ended, and their design.
