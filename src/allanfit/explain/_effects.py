@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 
+from ..physics import LowPass
 from . import _means
 from ._effect import Effect
 from ._line_parts import merged
@@ -11,7 +13,7 @@ from ._ordinates import points
 from ._posterior import Draws
 from ._spread import runs
 from ._state import Finding, Investigation
-from ._structure import EACH, NARROW, added_density, shape_of
+from ._structure import EACH, NARROW, RUNNING_MEAN, added_density, shape_of
 from ._telegraph import two_levels
 from ._unknown import Unknown
 
@@ -83,7 +85,11 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             name: float(np.median(each[draws.of_likeliest]))
             for name, each in (("cutoff_frequency", cutoff / dt), ("order", order))
         }
-        flags = {"digital_low_pass": "digital", "averaged_low_pass": "averaged"}
+        flags = {
+            "digital_low_pass": "digital",
+            "averaged_low_pass": "averaged",
+            RUNNING_MEAN: RUNNING_MEAN,
+        }
         flag = {flags[kinds.shaping]: np.ones(2)} if kinds.shaping in flags else {}
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
@@ -94,6 +100,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 {"cutoff_frequency": cutoff / dt, "order": order, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
+                note=_running_mean(told, dt) if kinds.shaping == RUNNING_MEAN else "",
                 told=told,
             )
         )
@@ -145,6 +152,13 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band))
     return found
+
+
+def _running_mean(told: dict[str, float], dt: float) -> str:
+    cutoff, order = (jnp.asarray(told[name]) for name in ("cutoff_frequency", "order"))
+    taps = float(LowPass(cutoff, order, running_mean=True).taps(dt))
+    times = round(told["order"])
+    return f"a running mean of {taps:.0f} samples" + (f", {times} times over" if times > 1 else "")
 
 
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:

@@ -104,7 +104,7 @@ def size_up(
     left = spectrum
     for _ in range(_ROUNDS):
         variance = ordinate_variance(spectrum, model, data)
-        seen = spectrum.frequency <= spectrum.top
+        seen = spectrum.clean(spectrum.frequency)
         weighted = np.where(seen, 1 / variance, 0.0)[:, None] * moved
         information = weighted.T @ moved
         unit = np.sqrt(np.maximum(np.diag(information), 1e-300))

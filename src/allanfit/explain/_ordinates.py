@@ -48,8 +48,16 @@ class Ordinates(NamedTuple):
     #: How many ordinates count as one: more than one where the noise is not as strong at all
     #: times, which makes neighbours alike (mean of sigma^4 over the square of the mean sigma^2).
     dilution: float = 1.0
-    #: Above this frequency ordinates are what the ends of the record leak, and no noise.
+    #: Above this frequency, and in these bands, ordinates are what the ends of the record leak.
     top: float = 0.5
+    holes: tuple[tuple[float, float], ...] = ()
+
+    def clean(self, frequency: Float[np.ndarray, " _"]) -> Bool[np.ndarray, " _"]:
+        """Whether ordinates at some frequencies are the noise's own."""
+        kept = frequency <= self.top
+        for low, high in self.holes:
+            kept &= (frequency < low) | (frequency > high)
+        return kept
 
     def less(self, mean: Float[np.ndarray, " ordinates"]) -> "Ordinates":
         """What is left when something with these amplitudes is taken out."""
@@ -159,7 +167,7 @@ def binned(
     fold: int | None = None,
 ) -> Bins:
     """Averages of all ordinates, or of one half of them, between the edges."""
-    kept = spectrum.frequency <= spectrum.top
+    kept = spectrum.clean(spectrum.frequency)
     if fold is not None:
         kept &= spectrum.fold == fold
     index = np.clip(np.searchsorted(edges, spectrum.frequency, side="right") - 1, 0, edges.size - 2)

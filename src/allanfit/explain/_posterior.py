@@ -14,11 +14,13 @@ from jaxtyping import Bool, Float
 from ..identify._posterior import _ABSENCE
 from ._chance import PRICE
 from ._climb import log_slopes, parts
+from ._running_mean import nearest_running_means
 from ._search import Model, best, rise_without
 from ._structure import (
     EACH,
-    FILTERS,
     FLOOR,
+    FREE_FILTERS,
+    RUNNING_MEAN,
     TERMS,
     Data,
     active,
@@ -85,14 +87,19 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    tried = [(kind, cutoff, order) for kind in FREE_FILTERS]
+    tried += [(RUNNING_MEAN, *each) for each in nearest_running_means(cutoff)]
     starts = []
-    for kind in FILTERS:
+    for kind, *two in tried:
         if kind != model.kinds.shaping:
             limits = bounds(kind, data.samples)
             theta = model.theta.copy()
-            theta[TERMS + 1 : TERMS + 3] = free(cutoff, *limits[0]), free(order, *limits[1])
+            theta[TERMS + 1 : TERMS + 3] = [free(*each) for each in zip(two, *zip(*limits))]
             starts.append((model.kinds._replace(shaping=kind), theta))
-    return best(starts, data)
+    found = best(starts, data)
+    means = [each for each in found if each.kinds.shaping == RUNNING_MEAN]
+    free_ones = [each for each in found if each.kinds.shaping != RUNNING_MEAN]
+    return free_ones + sorted(means, key=lambda each: each.deviance)[:1]
 
 
 def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:

@@ -9,7 +9,6 @@ from . import _means, _search
 from ._chance import course_score, log_chance, score
 from ._lines import Peak, Sine, line_log_chance, refine, scan
 from ._means import Course
-from ._ordinates import bin_edges
 from ._search import Candidate, rarity
 from ._state import (
     Finding,
@@ -17,8 +16,8 @@ from ._state import (
     add_course,
     drop_courses,
     evidence,
+    finer_edges,
     leave_leakage,
-    rebin,
     whitened_piece,
     with_course,
 )
@@ -167,9 +166,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     # Broad ones at once: they only say where bins must be fine. A strong sinusoid between two
     # ordinates is as broad as some dozen of them, and has its turn.
     state.peaks += [other for other in peaks[1:] if other.half_width * samples > _SPREAD]
-    pairs = tuple((p.frequency, p.half_width) for p in state.peaks)
-    state.edges = bin_edges(state.spectrum.longest, pairs)
-    rebin(state)
+    finer_edges(state)
 
 
 def _sharp(peak: Peak, samples: int) -> bool:

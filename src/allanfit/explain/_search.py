@@ -8,10 +8,12 @@ import jax
 import numpy as np
 
 from ._climb import LEAST_GAIN, climb, expected_density, rescale
+from ._running_mean import running_means
 from ._structure import (
     ADDED,
     EACH,
-    FILTERS,
+    FREE_FILTERS,
+    RUNNING_MEAN,
     TERMS,
     Data,
     Kinds,
@@ -191,10 +193,10 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
         for part in (max(seen, 0.3),) if name != "gauss_markov" else (0.3, max(seen, 0.3)):
             three[0] = np.log(part * mean[strongest] / unit[strongest])
             starts.append((name, kinds, np.concatenate([model.theta, three])))
-    if model.kinds.filtering and starts:
+    if model.kinds.shaping in FREE_FILTERS and starts:
         # What the filter had to bend for before may now be straight.
         best_start = starts[-1][2]
-        for kind, cutoff in itertools.product(FILTERS, (0.15, 0.3, 0.45)):
+        for kind, cutoff in itertools.product(FREE_FILTERS, (0.15, 0.3, 0.45)):
             filters = bounds(kind, float(data.samples))
             kinds = kinds._replace(shaping=kind)
             again = best_start.copy()
@@ -206,7 +208,7 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
 def _filtered(model: Model, data: Data) -> list[Start]:
     density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
     starts = []
-    for kind, cutoff in itertools.product(FILTERS, (0.02, 0.08, 0.25, 0.48)):
+    for kind, cutoff in itertools.product(FREE_FILTERS, (0.02, 0.08, 0.25, 0.48)):
         limits = bounds(kind, float(data.samples))
         for order in (1.0, 2.5):
             three = [0.0, free(cutoff, *limits[0]), free(order, *limits[1])]
@@ -217,6 +219,10 @@ def _filtered(model: Model, data: Data) -> list[Start]:
                 theta[1] = np.log(np.median(density[below]) / 2)
             theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
             starts.append(("low_pass", kinds, theta))
+    for cutoff, order in running_means(data):
+        limits = bounds(RUNNING_MEAN, float(data.samples))
+        three = [0.0, free(cutoff, *limits[0]), free(order, *limits[1])]
+        starts.append(("low_pass", *_shaping_start(RUNNING_MEAN, three, model)[1:]))
     return starts
 
 

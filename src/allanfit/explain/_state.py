@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..physics import Sampling
+from ..physics import LowPass, Sampling
 from ..recording._checks import usable
 from . import _means, _search
 from ._chance import course_log_chance
@@ -28,12 +28,14 @@ from ._ordinates import (
     points,
 )
 from ._search import Candidate, Model
-from ._spread import Contamination, Modulation
-from ._structure import EACH, TERMS, Data, shaped
+from ._spread import Contamination, Modulation, runs
+from ._structure import EACH, RUNNING_MEAN, TERMS, Data, shape_of, shaped
 from ._whiten import level, whitened
 
 # Beside this part of the noise a code's width says nothing.
 _FINE = 0.05
+# Width of bins about a zero, as a part of its frequency.
+_NEAR_ZERO = 0.002
 # Share of a density that may have leaked.
 _LEAKED = 0.05
 # So many logs of rates for one of differences of an angle, among those with coarse codes.
@@ -249,18 +251,37 @@ def rebin(state: Investigation) -> None:
     state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
 
 
+def finer_edges(state: Investigation) -> None:
+    """Bins that are fine about peaks, and about the zeros of a filter."""
+    pairs = [(peak.frequency, peak.half_width) for peak in state.peaks]
+    if state.model.kinds.shaping == RUNNING_MEAN:
+        three = state.model.theta[TERMS : TERMS + EACH]
+        shape = shape_of(RUNNING_MEAN, three, state.data.samples)
+        taps = float(LowPass(*shape, running_mean=True).taps(1.0))
+        for zero in np.arange(1, taps / 2 + 0.1) / taps:
+            pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
+    state.edges = bin_edges(state.spectrum.longest, tuple(pairs))
+    rebin(state)
+
+
 def leave_leakage(state: Investigation) -> None:
     """Leave out what only the ends of the record leak to, beyond a filter that has been found.
 
     What two ends leak is no noise of its own at each frequency: it would bend the filter.
     """
+    finer_edges(state)
     kinds, theta = state.model.kinds, state.model.theta
     three, nodes = theta[TERMS : TERMS + EACH], points(LEAKAGE_GRID)
     _, passed, _ = shaped(kinds.shaping, three, nodes, state.data.samples)
     leaked = leakage(2 * np.exp(theta[1]) * np.asarray(passed), state.left.frequency)
     unclean = leaked > _LEAKED * state.spectrum.longest * state.variance
     if unclean.any():
-        state.spectrum = state.spectrum._replace(top=float(state.left.frequency[unclean.argmax()]))
+        frequency = state.left.frequency
+        bands = [(float(frequency[a]), float(frequency[b - 1])) for a, b in runs(unclean)]
+        top = bands.pop()[0] if unclean[-1] else 0.5
+        state.spectrum = state.spectrum._replace(
+            top=min(top, state.spectrum.top), holes=tuple(bands)
+        )
         rebin(state) if state.sized is None else resize(state)
 
 

@@ -32,7 +32,10 @@ from ._ordinates import _NODES, Bins, averaged
 ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, DriftingLine)}
 #: In front of the converter, which takes values or averages, so that what passes folds; or behind
 #: it, in the sensor's processor.
-FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
+FREE_FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
+#: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
+RUNNING_MEAN = "running_mean"
+FILTERS = (*FREE_FILTERS, RUNNING_MEAN)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 TERMS = 4
@@ -73,7 +76,7 @@ class Kinds(NamedTuple):
     @property
     def angle_filtered(self) -> bool:
         """Whether quantization comes before the filter, as in a converter before a processor."""
-        return self.shaping == "digital_low_pass"
+        return self.shaping in ("digital_low_pass", RUNNING_MEAN)
 
 
 class Data(NamedTuple):
@@ -103,6 +106,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
+        RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
     }[name]
 
@@ -168,6 +172,10 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
         at = jnp.minimum(jnp.asarray(nodes), 0.4999)
         ratio = jnp.tan(jnp.pi * at) / jnp.tan(jnp.pi * cutoff)
         passed = averaged(jax.nn.sigmoid(-2 * order * jnp.log(ratio)))
+        return passed, passed, jnp.ones_like(middle)
+    if shaping == RUNNING_MEAN:
+        sieve = LowPass(*shape_of(shaping, three, samples), running_mean=True)
+        passed = averaged(sieve.passed(jnp.asarray(nodes), 1.0))
         return passed, passed, jnp.ones_like(middle)
     if shaping == "bump":
         bump = Bump(jnp.tanh(three[0] / 6) * 6, *shape_of("bump", three, samples))
@@ -246,5 +254,6 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
     flags = []
     for name in kinds.names:
         # A filter has no size, and some noises one number for their shape.
-        flags += [name != "low_pass", True, name not in ("gauss_markov", "power_law")]
+        free = [name != "low_pass", True, name not in ("gauss_markov", "power_law")]
+        flags += [False] * 3 if name == "low_pass" and kinds.shaping == RUNNING_MEAN else free
     return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])

@@ -61,7 +61,7 @@ def whitened(
     variance = np.interp(frequency, spectrum.frequency, expected) / 2
     coefficients /= np.sqrt(variance)
     coefficients[:_DROPPED] = 0.0
-    coefficients[frequency > spectrum.top] = 0.0
+    coefficients[~spectrum.clean(frequency)] = 0.0
     for notch in notches:
         coefficients[np.abs(frequency - notch) < 2.5 / piece.size] = 0.0
     return np.asarray(idct(coefficients, norm="ortho"))

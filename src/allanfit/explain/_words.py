@@ -37,8 +37,9 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"{told('quality_factor')}."
         ),
         "low_pass": lambda: (
-            f"A low-pass filter at {told('cutoff_frequency')} of order {told('order')}: noise "
-            "above it is missing, and N, B and K are misread without it."
+            f"A low-pass filter at {told('cutoff_frequency')}"
+            + (f", {effect.note}" if effect.note else f" of order {told('order')}")
+            + ": noise above it is missing, and N, B and K are misread without it."
         ),
         "power_law": lambda: (
             f"Noise whose density falls as f^-{shown['exponent']['value']:.2f}, which is neither "

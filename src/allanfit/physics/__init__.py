@@ -21,6 +21,7 @@ from ._effect_units import parameter_values as parameter_values
 from ._effect_units import scaled as scaled
 from ._gauss_markov import GaussMarkov as GaussMarkov
 from ._low_pass import LowPass as LowPass
+from ._low_pass import running_mean_gain as running_mean_gain
 from ._model import STANDARD_TERMS as STANDARD_TERMS
 from ._model import SYMBOLS as SYMBOLS
 from ._model import NoiseModel as NoiseModel

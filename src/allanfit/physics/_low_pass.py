@@ -5,6 +5,7 @@ from typing import ClassVar
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from ._effect import AbstractFilter, Parameter
@@ -13,6 +14,8 @@ from ._term import Sampling
 
 # Aliases summed on each side; an integral is taken for the rest.
 _ALIASES = 16
+# Newton's steps, each of which doubles the digits; the first estimate is within a fifth.
+_NEWTON = 7
 
 
 class LowPass(AbstractFilter):
@@ -26,27 +29,38 @@ class LowPass(AbstractFilter):
     A `digital` filter, in the sensor's processor, comes after the samples are taken: nothing folds,
     and by the bilinear transform its frequencies are those of tan(pi f dt)/(pi dt). With `averaged`
     samples are averages over their interval, whatever is said of the terms.
+
+    A `running_mean` is digital too, of n samples and as many times as the order says:
+    |H|^2 = (sin(pi n f dt)/(n sin(pi f dt)))^(2 order), with f_c at -3 dB, which is zero at some
+    frequencies.
     """
 
     cutoff_frequency: Float[Array, ""]
     order: Float[Array, ""]
     digital: bool = eqx.field(static=True, default=False)
     averaged: bool = eqx.field(static=True, default=False)
+    running_mean: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "low_pass"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("cutoff_frequency", "Hz"),
         Parameter("order", ""),
         Parameter("digital", ""),
         Parameter("averaged", ""),
+        Parameter("running_mean", ""),
     )
     what: ClassVar[str] = "a low-pass filter"
     origin: ClassVar[str] = "the sensor's own digital or analogue filter"
+
+    @property
+    def after_converter(self) -> bool:
+        """Whether it filters samples, and with them whatever the converter added."""
+        return self.digital or self.running_mean
 
     def gain(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
     ) -> Float[Array, "*shape"]:
         """The folded |H|^2, as a multiple of what it is at zero frequency."""
-        if self.digital:
+        if self.after_converter:
             return self.passed(frequency, dt)
         sampling = "averaged" if self.averaged else sampling
         still = jnp.zeros_like(frequency, shape=())
@@ -71,12 +85,26 @@ class LowPass(AbstractFilter):
 
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """1/(1 + (f/f_c)^(2 order)), as a logistic function: neither it nor its slope overflows."""
+        if self.running_mean:
+            once = running_mean_gain(frequency * dt, self.taps(dt))
+            # A zero has no logarithm.
+            return jnp.exp(self.order * jnp.log(once + 1e-18))
         at, cutoff = jnp.abs(frequency), self.cutoff_frequency
         if self.digital:
             at, cutoff = (jnp.tan(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
         # Zero frequency has no logarithm; this one, in cut-off frequencies, passes as well.
         ratio = jnp.maximum(at / cutoff, 1e-18)
         return jax.nn.sigmoid(-2 * self.order * jnp.log(ratio))
+
+    def taps(self, dt: float) -> Float[Array, ""]:
+        """How many samples a running mean takes, from its cut-off frequency and order."""
+        turn = jnp.pi * self.cutoff_frequency * dt
+        # sin(x)/x of x = n turn, where the power is one half.
+        goal = jnp.exp2(-0.5 / self.order) * jnp.sin(turn) / turn
+        x = jnp.sqrt(6 * (1 - goal))
+        for _ in range(_NEWTON):
+            x = x - (jnp.sin(x) - goal * x) / (jnp.cos(x) - goal)
+        return x / turn
 
     def apply(
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
@@ -90,3 +118,13 @@ class LowPass(AbstractFilter):
         ratio = jnp.exp(-power * jnp.log(edge / self.cutoff_frequency))
         terms = ((-1) ** (k + 1) * ratio**k / (k * power - 1) for k in range(1, 7))
         return edge * sum(terms, jnp.zeros_like(edge))
+
+
+def running_mean_gain(
+    frequency: Float[Array, "*shape"] | np.ndarray, taps: Float[Array, "*shape"] | np.ndarray
+) -> Float[Array, "*shape"]:
+    """|H|^2 of the mean of the last n samples, at frequencies in cycles per sample."""
+    turn = jnp.pi * jnp.asarray(frequency)
+    still = turn == 0
+    turn = jnp.where(still, 1.0, turn)
+    return jnp.where(still, 1.0, jnp.sin(taps * turn) / (taps * jnp.sin(turn))) ** 2

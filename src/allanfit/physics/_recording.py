@@ -73,7 +73,8 @@ def draw_recording(
 
     for effect, each in of(LowPass):
         assert isinstance(effect, LowPass)
-        for symbol in terms.keys() & ({"Q", "N", "B", "K"} if effect.digital else {"N", "B", "K"}):
+        before = {"Q", "N", "B", "K"} if effect.after_converter else {"N", "B", "K"}
+        for symbol in terms.keys() & before:
             terms[symbol] = (
                 effect.apply(each, terms[symbol], dt, sampling)
                 if symbol == "N"
