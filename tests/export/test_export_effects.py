@@ -81,6 +81,27 @@ def test_a_format_says_which_effects_it_cannot_hold(write_explained, make_channe
     )
 
 
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("flag", ["digital", "averaged", "running_mean", "regular", None])
+def test_every_format_takes_an_effect_that_says_what_kind_it_is(
+    write_explained, make_channel, tmp_path, flag, name
+):
+    """What is 1 or not at all, as what a sensor's processor does."""
+    effects = {"low_pass": {"cutoff_frequency": (20.0, "Hz"), "order": (2.0, "")}}
+    if flag == "regular":
+        effects = {"sample_hold": {"repeat": (2.0, "")}}
+    for parameters in effects.values():
+        parameters |= {"droop": (0.4, "")} if flag is None else {flag: (1.0, "")}
+    path, target = write_explained(make_channel("gx"), effects=effects), tmp_path / "out.yaml"
+    exported = export(path, name)
+    said = any("explain found in gx" in each for each in exported.warnings)
+    assert said == (name not in ("yaml", "kalman"))
+    exported.write(target)
+    if name == "yaml":
+        (found,) = read_coefficients(target)[0].effects
+        assert vars(found)[flag or "droop"] == (0.4 if flag is None else True)
+
+
 def test_an_export_takes_the_coefficients_beside_the_effects(write_explained, make_channel):
     for effects, bias in (({}, 0.014), ({"output_rounding": {"lsb": (0.1, "deg/s")}}, 0.002)):
         path = write_explained(make_channel("gx", B=2e-3), effects=effects)

@@ -12,6 +12,7 @@ _SMOOTH = {
     "resonance": (12.0, 3),
     "power_law": (1.0, 2),
     "low_pass": (4.0, 2),
+    "droop": (1.0, 1),
     "drifting_line": (15.0, 3),
     "bump": (20.0, 3),
 }

@@ -13,7 +13,7 @@ from ._ordinates import points
 from ._posterior import Draws
 from ._spread import runs
 from ._state import Finding, Investigation
-from ._structure import EACH, NARROW, RUNNING_MEAN, added_density, shape_of
+from ._structure import DROOPING, EACH, NARROW, TERMS, added_density, shape_of, sieve
 from ._telegraph import two_levels
 from ._unknown import Unknown
 
@@ -79,28 +79,25 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     kinds, samples = state.model.kinds, state.data.samples
     found = []
     if draws.filtering is not None:
-        cutoff, order = draws.filtering.T
+        cutoff, order, droop = draws.filtering.T
+        values = {"cutoff_frequency": cutoff / dt, "order": order}
+        if kinds.shaping in DROOPING:
+            values["droop"] = droop
         # What is told together must belong together: the numbers of one kind of filter.
-        told = {
-            name: float(np.median(each[draws.of_likeliest]))
-            for name, each in (("cutoff_frequency", cutoff / dt), ("order", order))
-        }
-        flags = {
-            "digital_low_pass": "digital",
-            "averaged_low_pass": "averaged",
-            RUNNING_MEAN: RUNNING_MEAN,
-        }
-        flag = {flags[kinds.shaping]: np.ones(2)} if kinds.shaping in flags else {}
+        told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
+        found_filter = sieve(kinds.shaping or "", draws.theta[0, TERMS : TERMS + EACH], samples)
+        flags = ("digital", "averaged", "running_mean")
+        flag = {name: np.ones(2) for name in flags if getattr(found_filter, name)}
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
             Effect(
                 "low_pass",
                 own,
                 others,
-                {"cutoff_frequency": cutoff / dt, "order": order, **flag},
+                {**values, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
-                note=_running_mean(told, dt) if kinds.shaping == RUNNING_MEAN else "",
+                note=_running_mean(told, dt) if found_filter.running_mean else "",
                 told=told,
             )
         )

@@ -11,11 +11,13 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
+from scipy.ndimage import median_filter
 
 from ..curves import mode_variances
 from ..curves._bins import logarithmic_edges
 from ..curves._spectrum import RampProjection, cosine_coefficients
 from ..physics import Sampling
+from ._spread import runs
 
 BINS_PER_DECADE = 48
 # Bins of no weight fill a spectrum up to a multiple of this: one compilation serves most records.
@@ -23,6 +25,8 @@ _PADDING = 128
 # Distances from the Nyquist frequency [cycles per sample] between which bins are finer.
 _NEAR_NYQUIST = (0.05, 5e-4)
 _BINS_NEAR_NYQUIST = 24
+# Bins that a line fills at most.
+_NARROW = 5
 # Above this frequency [cycles per sample] the largest density says what the ends may leak.
 _FAST = 0.01
 #: Where leakage asks for a density: from zero to the Nyquist frequency [cycles per sample].
@@ -201,15 +205,25 @@ def above_leakage(spectrum: Ordinates, bins: Bins) -> Ordinates:
     """The ordinates with their `top`, where a steep filter leaves less than the ends may leak.
 
     Before the filter is known a bound has to do: the ends of n samples leak less than an n-th of
-    the largest density.
+    the largest density. Lines are none: they are taken out, and what they leak with them.
     """
     frequency, density = bins.frequency[bins.used], np.asarray(bins.density)[bins.used]
     # What slow noise leaks is in `expected`.
     fast = frequency > _FAST
-    loud = np.flatnonzero(density > density[fast].max(initial=0.0) / spectrum.longest)
-    if loud[-1] == density.size - 1:
-        return spectrum
-    return spectrum._replace(top=float(frequency[loud[-1]]))
+    broad = median_filter(density[fast], _NARROW, mode="nearest").max(initial=0.0)
+    faint = fast & (density < broad / spectrum.longest)
+    # Each bin reaches half way to the next.
+    middle = (frequency[1:] + frequency[:-1]) / 2
+    low, high = np.append(0.0, middle), np.append(middle, 0.5)
+    return less_bands(spectrum, [(low[a], high[b - 1]) for a, b in runs(faint)])
+
+
+def less_bands(spectrum: Ordinates, bands: list[tuple[float, float]]) -> Ordinates:
+    """The ordinates without some bands, of which the last may reach up to the end."""
+    end = float(spectrum.frequency[-1])
+    top = min((low for low, high in bands if high >= end), default=0.5)
+    holes = tuple((float(low), float(high)) for low, high in bands if high < end)
+    return spectrum._replace(top=min(float(top), spectrum.top), holes=holes)
 
 
 def leakage(

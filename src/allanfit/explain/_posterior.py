@@ -5,7 +5,7 @@ uniform in its logarithm down to a twentieth of what was found, and its shape is
 logarithm within the bounds in which it was looked for.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import emcee
 import numpy as np
@@ -17,6 +17,7 @@ from ._climb import log_slopes, parts
 from ._running_mean import nearest_running_means
 from ._search import Model, best, rise_without
 from ._structure import (
+    DROOPING,
     EACH,
     FLOOR,
     FREE_FILTERS,
@@ -24,10 +25,10 @@ from ._structure import (
     TERMS,
     Data,
     active,
-    bounds,
-    free,
+    free_filter,
     held_columns,
     shape_of,
+    sieve,
 )
 
 _WALKERS = 32
@@ -48,8 +49,8 @@ class Draws(NamedTuple):
     power: Float[np.ndarray, "draws terms"]
     #: All parameters, as `Model.theta`, shape (draws, parameters).
     theta: Float[np.ndarray, "draws parameters"]
-    #: Cut-off frequency [cycles per sample] and order of a filter, shape (draws, 2), or none.
-    filtering: Float[np.ndarray, "draws two"] | None = None
+    #: Cut-off frequency [cycles per sample], order and droop of a filter, (draws, 3), or none.
+    filtering: Float[np.ndarray, "draws three"] | None = None
     #: The structure with the likeliest kind of filter, and which draws are of it.
     likeliest: Model | None = None
     of_likeliest: Bool[np.ndarray, " draws"] | None = None
@@ -76,25 +77,33 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
             drawn = _sample(each, data, seed, quick)
             kept = rng.random(len(drawn.power)) < weight / weights.max()
             three = drawn.theta[kept, TERMS : TERMS + EACH].T
-            two = shape_of(each.kinds.shaping or "", three, data.samples)
+            filters = _filters(each.kinds.shaping or "", three, data.samples)
             best = np.full(kept.sum(), each is likeliest)
-            parts.append((drawn.power[kept], drawn.theta[kept], np.stack(two, axis=1), best))
+            parts.append((drawn.power[kept], drawn.theta[kept], filters, best))
     power, theta, filtering, best = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Draws(power, theta, filtering, likeliest, best)
+
+
+def _filters(shaping: str, three: Float[np.ndarray, "three draws"], samples: Any):
+    found = sieve(shaping, three, samples)
+    droop = np.zeros(three.shape[1]) if found.droop is None else found.droop
+    return np.stack([found.cutoff_frequency, found.order, droop], axis=1)
 
 
 def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
-    tried = [(kind, cutoff, order) for kind in FREE_FILTERS]
+    alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
+    tried = [(kind, cutoff, order) for kind in alike]
     tried += [(RUNNING_MEAN, *each) for each in nearest_running_means(cutoff)]
     starts = []
-    for kind, *two in tried:
+    for kind, cutoff, order in tried:
         if kind != model.kinds.shaping:
-            limits = bounds(kind, data.samples)
             theta = model.theta.copy()
-            theta[TERMS + 1 : TERMS + 3] = [free(*each) for each in zip(two, *zip(*limits))]
+            theta[TERMS : TERMS + EACH] = free_filter(
+                kind, cutoff, order, data.samples, theta[TERMS]
+            )
             starts.append((model.kinds._replace(shaping=kind), theta))
     found = best(starts, data)
     means = [each for each in found if each.kinds.shaping == RUNNING_MEAN]

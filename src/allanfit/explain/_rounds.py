@@ -31,6 +31,8 @@ _LINE_ALARM = 4.0
 _LINE_WIDTH = 4
 # Options of the scan at full resolution: peaks of few ordinates and of more.
 _NARROWEST = _LINE, _BAND = "line", "band"
+# And another shape of a filter that is known.
+_DROOP = "droop"
 # Ordinates to either side that no sinusoid fills.
 _SPREAD = 32
 # Ordinates about a line within which nothing else may be.
@@ -60,7 +62,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     rivals: dict[str, float] = {}
     for option in found:
         # What a line explains nothing smooth does, and has its own turn: it is no rival.
-        if option.name not in _NARROWEST and (among is None or option.name in among):
+        if option.name not in (*_NARROWEST, _DROOP) and (among is None or option.name in among):
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
@@ -182,6 +184,9 @@ def _smooth_options(state: Investigation) -> list[Option]:
             state.model = candidate.model
             if state.model.kinds.angle_filtered:
                 leave_leakage(state)
+            if candidate.name == _DROOP:
+                # No effect of its own, but of what is found already.
+                return
             state.findings.append(
                 Finding(
                     candidate.name,

@@ -1,8 +1,8 @@
 """Running means that a spectrum may have come through, by a quick look at all of them."""
 
-import itertools
 from functools import lru_cache
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import brentq
@@ -37,7 +37,7 @@ def running_means(data: Data) -> list[tuple[float, float]]:
         return float(weight @ (rest - weight @ rest / weight.sum()) ** 2)
 
     nodes = np.asarray(bins.nodes)[fast]
-    once = np.asarray(running_mean_gain(nodes, _TAPS[:, None, None]))
+    once = running_mean_gain(nodes, _TAPS[:, None, None])
     found = []
     for times in _TIMES:
         expected = np.log(np.asarray(averaged(once**times)) + _LEAST)
@@ -54,7 +54,7 @@ def nearest_running_means(cutoff: float) -> list[tuple[float, float]]:
     """Cut-off frequency and order of those that are nearest to a cut-off frequency."""
     found = []
     for times in map(float, _TIMES):
-        sieve = LowPass(np.asarray(cutoff), np.asarray(times), running_mean=True)
+        sieve = LowPass(jnp.asarray(cutoff), jnp.asarray(times), running_mean=True)
         between = float(sieve.taps(1.0))
         for taps in {np.floor(between), np.ceil(between)} & {*map(float, _TAPS)}:
             found.append((cutoff_frequency(taps, times), times))
@@ -68,4 +68,4 @@ def cutoff_frequency(taps: float, times: float) -> float:
     def above_half(frequency: float) -> float:
         return float(running_mean_gain(np.asarray(frequency), np.asarray(taps))) ** times - 0.5
 
-    return float(brentq(above_half, 1e-6, 1 / taps))
+    return brentq(above_half, 1e-6, 1 / taps)  # pyright: ignore[reportReturnType]

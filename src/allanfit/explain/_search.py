@@ -11,6 +11,7 @@ from ._climb import LEAST_GAIN, climb, expected_density, rescale
 from ._running_mean import running_means
 from ._structure import (
     ADDED,
+    DROOPING,
     EACH,
     FREE_FILTERS,
     RUNNING_MEAN,
@@ -20,6 +21,7 @@ from ._structure import (
     added_density,
     bounds,
     free,
+    free_filter,
     shape_of,
 )
 
@@ -115,6 +117,8 @@ def candidates(
             starts += _added(name, shapes, model, data)
     if model.kinds.shaping is None:
         starts += _filtered(model, data)
+    if model.kinds.shaping in FREE_FILTERS:
+        starts += _drooping(model, data)
     return _compare(starts, model, data)
 
 
@@ -193,14 +197,15 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
         for part in (max(seen, 0.3),) if name != "gauss_markov" else (0.3, max(seen, 0.3)):
             three[0] = np.log(part * mean[strongest] / unit[strongest])
             starts.append((name, kinds, np.concatenate([model.theta, three])))
-    if model.kinds.shaping in FREE_FILTERS and starts:
+    if model.kinds.shaping in (*FREE_FILTERS, *DROOPING) and starts:
         # What the filter had to bend for before may now be straight.
         best_start = starts[-1][2]
-        for kind, cutoff in itertools.product(FREE_FILTERS, (0.15, 0.3, 0.45)):
-            filters = bounds(kind, float(data.samples))
+        alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
+        for kind, cutoff in itertools.product(alike, (0.15, 0.3, 0.45)):
             kinds = kinds._replace(shaping=kind)
             again = best_start.copy()
-            again[TERMS + 1 : TERMS + 3] = free(cutoff, *filters[0]), free(1.2, *filters[1])
+            three = free_filter(kind, cutoff, 1.2, float(data.samples), again[TERMS])
+            again[TERMS : TERMS + EACH] = three
             starts.append((name, kinds, again))
     return starts
 
@@ -209,9 +214,8 @@ def _filtered(model: Model, data: Data) -> list[Start]:
     density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
     starts = []
     for kind, cutoff in itertools.product(FREE_FILTERS, (0.02, 0.08, 0.25, 0.48)):
-        limits = bounds(kind, float(data.samples))
         for order in (1.0, 2.5):
-            three = [0.0, free(cutoff, *limits[0]), free(order, *limits[1])]
+            three = free_filter(kind, cutoff, order, float(data.samples))
             _, kinds, theta = _shaping_start(kind, three, model)
             # White noise as it is below the cut-off, and little of what rises beyond it.
             below = used & (frequency > cutoff / 8) & (frequency < cutoff / 2)
@@ -220,9 +224,20 @@ def _filtered(model: Model, data: Data) -> list[Start]:
             theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
             starts.append(("low_pass", kinds, theta))
     for cutoff, order in running_means(data):
-        limits = bounds(RUNNING_MEAN, float(data.samples))
-        three = [0.0, free(cutoff, *limits[0]), free(order, *limits[1])]
+        three = free_filter(RUNNING_MEAN, cutoff, order, float(data.samples))
         starts.append(("low_pass", *_shaping_start(RUNNING_MEAN, three, model)[1:]))
+    return starts
+
+
+def _drooping(model: Model, data: Data) -> list[Start]:
+    """The filter that the model has, of another shape."""
+    starts = []
+    for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
+        theta = model.theta.copy()
+        two = shape_of(model.kinds.shaping or "", theta[TERMS : TERMS + EACH], data.samples)
+        cutoff, order = map(float, two)
+        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
+        starts.append(("droop", model.kinds._replace(shaping=kind), theta))
     return starts
 
 

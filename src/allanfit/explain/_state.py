@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..physics import LowPass, Sampling
+from ..physics import Sampling
 from ..recording._checks import usable
 from . import _means, _search
 from ._chance import course_log_chance
@@ -24,12 +24,13 @@ from ._ordinates import (
     bin_edges,
     binned,
     leakage,
+    less_bands,
     ordinates,
     points,
 )
 from ._search import Candidate, Model
 from ._spread import Contamination, Modulation, runs
-from ._structure import EACH, RUNNING_MEAN, TERMS, Data, shape_of, shaped
+from ._structure import EACH, RUNNING_MEAN, TERMS, Data, shaped, sieve
 from ._whiten import level, whitened
 
 # Beside this part of the noise a code's width says nothing.
@@ -256,8 +257,7 @@ def finer_edges(state: Investigation) -> None:
     pairs = [(peak.frequency, peak.half_width) for peak in state.peaks]
     if state.model.kinds.shaping == RUNNING_MEAN:
         three = state.model.theta[TERMS : TERMS + EACH]
-        shape = shape_of(RUNNING_MEAN, three, state.data.samples)
-        taps = float(LowPass(*shape, running_mean=True).taps(1.0))
+        taps = float(sieve(RUNNING_MEAN, three, state.data.samples).taps(1.0))
         for zero in np.arange(1, taps / 2 + 0.1) / taps:
             pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
     state.edges = bin_edges(state.spectrum.longest, tuple(pairs))
@@ -277,11 +277,8 @@ def leave_leakage(state: Investigation) -> None:
     unclean = leaked > _LEAKED * state.spectrum.longest * state.variance
     if unclean.any():
         frequency = state.left.frequency
-        bands = [(float(frequency[a]), float(frequency[b - 1])) for a, b in runs(unclean)]
-        top = bands.pop()[0] if unclean[-1] else 0.5
-        state.spectrum = state.spectrum._replace(
-            top=min(top, state.spectrum.top), holes=tuple(bands)
-        )
+        bands = [(frequency[a], frequency[b - 1]) for a, b in runs(unclean)]
+        state.spectrum = less_bands(state.spectrum, bands)
         rebin(state) if state.sized is None else resize(state)
 
 

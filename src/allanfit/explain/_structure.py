@@ -33,9 +33,11 @@ ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, Dr
 #: In front of the converter, which takes values or averages, so that what passes folds; or behind
 #: it, in the sensor's processor.
 FREE_FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
+#: The same, with a droop.
+DROOPING = tuple(f"drooping_{name}" for name in FREE_FILTERS)
 #: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
 RUNNING_MEAN = "running_mean"
-FILTERS = (*FREE_FILTERS, RUNNING_MEAN)
+FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 TERMS = 4
@@ -76,7 +78,7 @@ class Kinds(NamedTuple):
     @property
     def angle_filtered(self) -> bool:
         """Whether quantization comes before the filter, as in a converter before a processor."""
-        return self.shaping in ("digital_low_pass", RUNNING_MEAN)
+        return self.shaping in ("digital_low_pass", "drooping_digital_low_pass", RUNNING_MEAN)
 
 
 class Data(NamedTuple):
@@ -91,6 +93,19 @@ class Data(NamedTuple):
     repeat: float
     #: Which of Q, N, B, K the structure has.
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
+
+
+def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
+    """A filter from its three free parameters, the first of which says how it droops if it does."""
+    kind = shaping.removeprefix("drooping_")
+    return LowPass(
+        *shape_of(kind, three, samples),
+        # From -3, a high peak, to 1, a single pole; 0 at 0.
+        droop=1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3)) if shaping in DROOPING else None,
+        digital=kind == "digital_low_pass",
+        averaged=kind == "averaged_low_pass",
+        running_mean=kind == RUNNING_MEAN,
+    )
 
 
 def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
@@ -108,7 +123,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
         RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
-    }[name]
+    }[name.removeprefix("drooping_")]
 
 
 def between(u: Any, low: Any, high: Any) -> Float[Array, "..."]:
@@ -120,6 +135,14 @@ def free(value: float, low: float, high: float) -> float:
     """The inverse of `between`, on the host."""
     part = np.clip((np.log(value) - np.log(low)) / (np.log(high) - np.log(low)), 1e-3, 1 - 1e-3)
     return float(np.log(part / (1 - part)))
+
+
+def free_filter(
+    kind: str, cutoff: float, order: float, samples: Any, droop: float = 0.0
+) -> list[float]:
+    """The free parameters of a filter, `droop` being a free one already."""
+    first, second = bounds(kind, samples)
+    return [droop, free(cutoff, *first), free(order, *second)]
 
 
 def shape_of(
@@ -161,22 +184,13 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
 def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
     """|H|^2 with aliases of white noise, |H|^2 itself, the bump; one where there is none."""
     middle = jnp.asarray(nodes)[:, 1]
-    if shaping in ("low_pass", "averaged_low_pass"):
-        sieve = LowPass(*shape_of(shaping, three, samples))
-        folded = sieve.gain(middle, 1.0, "point" if shaping == "low_pass" else "averaged")
-        return folded, sieve.passed(middle, 1.0), jnp.ones_like(middle)
-    if shaping == "digital_low_pass":
-        # Butterworth by the bilinear transform, at the output rate: nothing folds.
-        cutoff, order = shape_of(shaping, three, samples)
-        # The zero at the Nyquist frequency is filled by whatever noise comes after the filter.
-        at = jnp.minimum(jnp.asarray(nodes), 0.4999)
-        ratio = jnp.tan(jnp.pi * at) / jnp.tan(jnp.pi * cutoff)
-        passed = averaged(jax.nn.sigmoid(-2 * order * jnp.log(ratio)))
-        return passed, passed, jnp.ones_like(middle)
-    if shaping == RUNNING_MEAN:
-        sieve = LowPass(*shape_of(shaping, three, samples), running_mean=True)
-        passed = averaged(sieve.passed(jnp.asarray(nodes), 1.0))
-        return passed, passed, jnp.ones_like(middle)
+    if shaping in FILTERS:
+        found = sieve(shaping, three, samples)
+        if found.after_converter:
+            # What is before it, averaged over each bin: zeros are narrower than bins.
+            passed = averaged(found.passed(jnp.asarray(nodes), 1.0))
+            return passed, passed, jnp.ones_like(middle)
+        return found.gain(middle, 1.0), found.passed(middle, 1.0), jnp.ones_like(middle)
     if shaping == "bump":
         bump = Bump(jnp.tanh(three[0] / 6) * 6, *shape_of("bump", three, samples))
         return jnp.ones_like(middle), jnp.ones_like(middle), bump.gain(middle, 1.0)
@@ -253,7 +267,9 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
     """Which parameters are not idle."""
     flags = []
     for name in kinds.names:
-        # A filter has no size, and some noises one number for their shape.
-        free = [name != "low_pass", True, name not in ("gauss_markov", "power_law")]
-        flags += [False] * 3 if name == "low_pass" and kinds.shaping == RUNNING_MEAN else free
+        # Some noises have one number for their shape; a filter has no size.
+        free = [True, True, name not in ("gauss_markov", "power_law")]
+        if name == "low_pass":
+            free = [kinds.shaping in DROOPING] + [kinds.shaping != RUNNING_MEAN] * 2
+        flags += free
     return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])

@@ -59,7 +59,7 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 _AXES = {"times": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
 _FLAGS = {"regular", "digital", "averaged", "running_mean"}
-_SIGNED = {"amplitude", "height", "sensitivity", "coefficient"}
+_SIGNED = {"amplitude", "height", "sensitivity", "coefficient", "droop"}
 # Of the others, those that may be zero or must not be large.
 _RANGES = {
     "sigma": (0.0, math.inf),

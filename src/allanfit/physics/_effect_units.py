@@ -25,9 +25,13 @@ def parameter_unit(parameter: Parameter, unit: str) -> str:
 
 
 def parameter_values(effect: AbstractEffect) -> dict[str, Float[Array, "..."]]:
-    """The parameters that an effect has, by their names in explain's JSON."""
+    """The parameters that an effect has, by their names in explain's JSON; flags only if set."""
     values = {each.name: vars(effect)[field_of(each)] for each in effect.parameters}
-    return {name: value for name, value in values.items() if value is not None}
+    return {
+        name: jnp.asarray(value, float)
+        for name, value in values.items()
+        if value is not None and value is not False
+    }
 
 
 def scaled(effect: AbstractEffect, factor: float) -> AbstractEffect:

@@ -16,6 +16,10 @@ from ._term import Sampling
 _ALIASES = 16
 # Newton's steps, each of which doubles the digits; the first estimate is within a fifth.
 _NEWTON = 7
+# For that integral where there is no series, Gauss-Legendre nodes on (0, 1).
+_NODES, _WEIGHTS = (np.polynomial.legendre.leggauss(16) + np.array([[1.0], [0.0]])) / 2
+# A peak is no higher than the root of this.
+_LOWEST = 1e-2
 
 
 class LowPass(AbstractFilter):
@@ -30,6 +34,10 @@ class LowPass(AbstractFilter):
     and by the bilinear transform its frequencies are those of tan(pi f dt)/(pi dt). With `averaged`
     samples are averages over their interval, whatever is said of the terms.
 
+    With a `droop` d it is no Butterworth filter: |H|^2 = 1/(1 + d r^2 + (1 - d) r^(2 order)) at
+    r = f/f_c. Of order 2 these are all damped oscillators; above zero the gain falls early, as
+    that of Bessel filters and of several single poles does, and below zero it rises to a peak.
+
     A `running_mean` is digital too, of n samples and as many times as the order says:
     |H|^2 = (sin(pi n f dt)/(n sin(pi f dt)))^(2 order), with f_c at -3 dB, which is zero at some
     frequencies.
@@ -37,6 +45,7 @@ class LowPass(AbstractFilter):
 
     cutoff_frequency: Float[Array, ""]
     order: Float[Array, ""]
+    droop: Float[Array, ""] | None = None
     digital: bool = eqx.field(static=True, default=False)
     averaged: bool = eqx.field(static=True, default=False)
     running_mean: bool = eqx.field(static=True, default=False)
@@ -44,6 +53,7 @@ class LowPass(AbstractFilter):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("cutoff_frequency", "Hz"),
         Parameter("order", ""),
+        Parameter("droop", ""),
         Parameter("digital", ""),
         Parameter("averaged", ""),
         Parameter("running_mean", ""),
@@ -94,7 +104,11 @@ class LowPass(AbstractFilter):
             at, cutoff = (jnp.tan(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
         # Zero frequency has no logarithm; this one, in cut-off frequencies, passes as well.
         ratio = jnp.maximum(at / cutoff, 1e-18)
-        return jax.nn.sigmoid(-2 * self.order * jnp.log(ratio))
+        logarithm = 2 * jnp.log(ratio)
+        if self.droop is None:
+            return jax.nn.sigmoid(-self.order * logarithm)
+        slow, fast = (jnp.exp(jnp.minimum(n * logarithm, 80.0)) for n in (1.0, self.order))
+        return 1 / jnp.maximum(1 + self.droop * slow + (1 - self.droop) * fast, _LOWEST)
 
     def taps(self, dt: float) -> Float[Array, ""]:
         """How many samples a running mean takes, from its cut-off frequency and order."""
@@ -113,7 +127,12 @@ class LowPass(AbstractFilter):
         return filtered(samples, lambda frequency: self.gain(frequency, dt, sampling), dt)
 
     def _beyond(self, edge: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
-        """Integral of |H|^2 from `edge` on, by its series in falling powers [Hz]."""
+        """Integral of |H|^2 from `edge` on [Hz], by its series in falling powers if it has one."""
+        if self.droop is not None:
+            # f = edge/v^4, where what is to be integrated is smooth in v.
+            at, weight = (jnp.asarray(each, edge.dtype) for each in (_NODES, _WEIGHTS))
+            density = self.passed(edge[..., None] / at**4, 1.0)
+            return edge * jnp.sum(4 * weight / at**5 * density, axis=-1)
         power = 2 * self.order
         ratio = jnp.exp(-power * jnp.log(edge / self.cutoff_frequency))
         terms = ((-1) ** (k + 1) * ratio**k / (k * power - 1) for k in range(1, 7))
