@@ -12,10 +12,11 @@ from ..coefficient_units import UNITS
 from ..coefficients import Coefficients, read_coefficients
 from ..curves import unit_scale
 from ..identify import Fit, fit_series
-from ..physics import SYMBOLS, Sampling
+from ..physics import EFFECTS, SYMBOLS, Sampling
 from ..recording import Channel, Recording, is_recording, load
 from ..recording._recording import NoRateError
 from ..recording._units import parse_unit
+from ..simulate import simulate
 
 _SIGNIFICANT = 0.005
 # Compared in bands of about an octave.
@@ -31,6 +32,9 @@ class Reference:
     #: Its unit as given, and what that measures: `gyro`, `accelerometer` or `other`.
     unit: str
     kind: str
+    #: The simulated channel and its recording, where there is one: what it has beside the five
+    #: terms is found as in any recording.
+    simulated: tuple[Channel, Recording] | None = None
     #: Frequencies [Hz], densities [u^2/Hz] and ordinates of a simulated recording; None for
     #: coefficients, whose density is exact.
     frequency: Float[np.ndarray, " bins"] | None = None
@@ -43,7 +47,8 @@ def references(
 ) -> dict[str, Reference]:
     """What each channel is compared with, by its name or kind; the only one serves all.
 
-    A simulation without a unit is taken to be in the recording's.
+    A simulation without a unit is taken to be in the recording's. Coefficients with effects beside
+    them are simulated, over as long a time.
 
     **Raises:** `ValueError` when no channel of the simulation goes with one of the recording, or
     one measures something else.
@@ -52,13 +57,13 @@ def references(
         return {}
     if isinstance(simulation, (str, Path)) and not is_recording(Path(simulation)):
         own = recording.channels[0].unit
-        found = {entry.channel: _of_entry(entry, own) for entry in read_coefficients(simulation)}
+        found = {
+            entry.channel: _of_entry(entry, own, recording, sampling)
+            for entry in read_coefficients(simulation)
+        }
     else:
         drawn = simulation if isinstance(simulation, Recording) else _loaded(simulation, recording)
-        found = {
-            channel.name: _of_channel(channel, drawn.rate_hz, sampling)
-            for channel in drawn.channels
-        }
+        found = {channel.name: _of_channel(channel, drawn, sampling) for channel in drawn.channels}
     chosen = _chosen(found, recording)
     for channel in recording.channels:
         other = chosen.get(channel.name)
@@ -104,31 +109,66 @@ def _loaded(path: Path | str, recording: Recording) -> Recording:
     return found
 
 
-def _of_entry(entry: Coefficients, own_unit: str) -> Reference:
+def _of_entry(
+    entry: Coefficients, own_unit: str, recording: Recording, sampling: Sampling
+) -> Reference:
     unit = parse_unit(entry.unit or own_unit)
+    if entry.effects:
+        si = entry.times(unit.factor, unit.si_unit)
+        samples = len(recording.channels[0].samples)
+        drawn = simulate(
+            si.values,
+            duration_s=samples / recording.rate_hz,
+            rate_hz=recording.rate_hz,
+            seed=0,
+            sampling=si.sampling,
+            effects=si.effects,
+        )
+        channel = Channel(
+            entry.channel,
+            unit.name,
+            unit.factor,
+            unit.si_unit,
+            unit.kind,
+            np.asarray(drawn, float),
+            ((0, samples),),
+            (),
+        )
+        made = Recording(entry.channel, recording.rate_hz, (channel,), (), (), "")
+        return _of_channel(channel, made, sampling)
     values = [float(entry.values.get(symbol, 0.0)) * unit.factor for symbol in SYMBOLS[:4]]
     return Reference(np.array(values), unit.name, unit.kind)
 
 
-def _of_channel(channel: Channel, rate_hz: float, sampling: Sampling) -> Reference:
+def _of_channel(channel: Channel, recording: Recording, sampling: Sampling) -> Reference:
+    rate_hz = recording.rate_hz
     fit = fit_series(channel.samples, rate_hz, sampling=sampling, stretches=channel.stretches)
     values = np.array([float(fit.coefficients[symbol]) for symbol in SYMBOLS[:4]])
     return Reference(
         values,
         channel.unit,
         channel.kind,
+        (channel, recording),
         np.asarray(fit.design.frequency) * rate_hz,
         np.asarray(fit.estimate.statistics.density) / rate_hz,
         np.asarray(fit.design.ordinates),
     )
 
 
-def compared(fit: Fit, reference: Reference, found: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def compared(
+    fit: Fit,
+    reference: Reference,
+    found: list[dict[str, Any]],
+    simulated: list[dict[str, Any]] | None = None,
+) -> list[dict[str, Any]]:
     """Bands in which recording and simulation differ, strongest first.
 
-    A difference that the recording's own five terms reproduce is one of coefficients, and the
-    term that dominates there is named; another is physics that the simulation does not have.
+    `found` is where the recording differs from its five terms, and `simulated` where the
+    simulation does, with the names of the effects. What both have is no difference, but for its
+    size. A difference that the recording's own five terms reproduce is one of coefficients, and the
+    term that dominates there is named; another is physics that one of the two does not have.
     """
+    simulated = simulated or []
     dt = 1 / float(fit.rate_hz)
     frequency = np.asarray(fit.design.frequency) / dt
     density = np.asarray(fit.estimate.statistics.density, float) * dt
@@ -143,26 +183,33 @@ def compared(fit: Fit, reference: Reference, found: list[dict[str, Any]]) -> lis
         part = slice(begin, begin + _BINS_A_BAND)
         end = frequency[begin + _BINS_A_BAND] if begin + _BINS_A_BAND < frequency.size else np.inf
         weight = ordinates[part]
-        simulated, others = _simulated(
+        drawn, others = _simulated(
             reference, frequency, model, ordinates, unit / scale**2, part, end
         )
         if others == 0:
             continue
         # Sums over a band, not ratios of single bins: those of few ordinates have no mean.
         seen = float(np.sum(weight * density[part] / model[part]) / weight.sum())
-        ratio = seen / simulated
+        ratio = seen / drawn
         chance = _two_sided(ratio, weight.sum(), others, len(bands))
         if chance > _SIGNIFICANT:
             continue
-        physics = _two_sided(seen, weight.sum(), 1e9, len(bands)) < _SIGNIFICANT
         terms = unit[part] @ np.diag(np.maximum(own, reference.coefficients / scale) ** 2)
         dominant = SYMBOLS[int(np.argmax(terms.sum(axis=0)))]
         low, high = float(frequency[part][0]), float(frequency[part][-1])
-        cause = (
-            "physics is absent from it"
-            if physics
-            else f"its {dominant} is too {'small' if ratio > 1 else 'large'}"
-        )
+        here = {"domain": "frequency", "low": low, "high": high}
+        own_physics = _two_sided(seen, weight.sum(), 1e9, len(bands)) < _SIGNIFICANT
+        both = next((each["effect"] for each in simulated if _meet(each, here)), None)
+        if both is not None and any(_meet(each, here) for each in found):
+            physics, dominant = False, both
+        else:
+            physics = own_physics or both is not None
+        if not physics:
+            cause = f"its {_plain(dominant)} is too {'small' if ratio > 1 else 'large'}"
+        elif both is not None:
+            cause = f"it has {EFFECTS[both].what}, which the recording has not"
+        else:
+            cause = "physics is absent from it"
         entries.append(
             {
                 "domain": "frequency",
@@ -180,14 +227,29 @@ def compared(fit: Fit, reference: Reference, found: list[dict[str, Any]]) -> lis
     entries += [
         {**entry, "cause": "physics", "coefficient": None}
         for entry in found
-        if not any(
-            each["domain"] == entry["domain"]
-            and each["low"] <= entry["high"]
-            and entry["low"] <= each["high"]
-            for each in entries
-        )
+        if not any(_meet(each, entry) for each in entries)
+        and not any(_alike(each, entry) for each in simulated)
     ]
     return sorted(_joined(entries), key=lambda entry: entry["p_value"])
+
+
+def _meet(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    return (
+        one["domain"] == other["domain"]
+        and one["low"] <= other["high"]
+        and other["low"] <= one["high"]
+    )
+
+
+def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether two effects are one kind of thing: of one name, and of one band if it has a band."""
+    if one["domain"] == other["domain"] == "time":
+        return one["effect"] == other["effect"]
+    return _meet(one, other)
+
+
+def _plain(name: str) -> str:
+    return name if len(name) == 1 else name.replace("_", " ")
 
 
 def _simulated(

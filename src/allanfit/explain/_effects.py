@@ -23,6 +23,9 @@ _ROOM_PERIOD_S = 240.0
 _SURE = 0.99
 _LINE = 0.97
 _LIKELY_ROOM = 0.75
+# So many wandering biases switch between two levels, before any look at the levels.
+_TELEGRAPH = 0.15
+_MOST_TELEGRAPH = 0.96
 
 
 def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) -> list[Effect]:
@@ -182,20 +185,16 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
             "sentence": "The kurtosis of the process, filtered out of the other noise.",
         }
     )
-    if chance < 0.003:
-        rest = {**others, "gauss_markov": 0.04 * own}
+    # A chance p is worth at most 1/(-e p ln p) in odds (Sellke et al. 2001, Am. Stat. 55:62).
+    worth = 1 / (-np.e * chance * np.log(chance)) if chance < 1 / np.e else 1.0
+    odds = _TELEGRAPH / (1 - _TELEGRAPH) * worth
+    telegraph = min(odds / (1 + odds), _MOST_TELEGRAPH) * own
+    if telegraph > own / 2:
+        rest = {**others, "gauss_markov": own - telegraph}
         values = {"amplitude": 2 * size, "dwell_time": 2 * time * dt}
-        return [Effect("random_telegraph", 0.96 * own, rest, values, {}, band)]
-    telegraph = 0.15 * own
-    return [
-        replace(plain, probability=own - telegraph)
-        if not others
-        else replace(
-            plain,
-            probability=own - telegraph,
-            alternatives={**others, "random_telegraph": telegraph},
-        )
-    ]
+        return [Effect("random_telegraph", telegraph, rest, values, {}, band)]
+    rest = {**others, "random_telegraph": telegraph}
+    return [replace(plain, probability=own - telegraph, alternatives=rest)]
 
 
 def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
@@ -227,9 +226,12 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
         heights = np.array([np.median(size) for _, size, _, _ in steps])
         sign = np.sign(heights.sum()) or 1.0
         mean = sign * np.mean([np.abs(size) for _, size, _, _ in steps], axis=0)
-        times = sorted(time for time, *_ in steps)
+        in_time = sorted((time, float(np.median(size))) for time, size, *_ in steps)
+        lists: dict[str, list] = {"times": [time for time, _ in in_time]}
+        if len(steps) > 1:
+            lists["heights"] = [height for _, height in in_time]
         own = float(max(each[2] for each in steps))
-        found.append(Effect("step", own, steps[0][3], {"amplitude": mean}, {"times": times}))
+        found.append(Effect("step", own, steps[0][3], {"amplitude": mean}, lists))
     return found
 
 

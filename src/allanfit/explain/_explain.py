@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +47,14 @@ class ChannelExplanation:
     held_out: HeldOut | None
     p_value_after: float | None
     reference: Reference | None = None
+    #: Where the simulation that it is compared with differs from its own five terms.
+    simulated: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def mismatches(self) -> list[dict[str, Any]]:
+        """Where the channel differs from its five terms, an entry an effect."""
+        dt = self.state.stride / float(self.before.rate_hz)
+        return mismatches(self.state, self.effects, dt)
 
     @property
     def verdict(self) -> str:
@@ -70,14 +78,15 @@ class ChannelExplanation:
         channel, fit, factor = self.channel, self.before, self.channel.factor
         plain = coefficients_document(fit, channel)
         shown = [self._effect(effect) for effect in self.effects]
-        found = mismatches(self.state, self.effects, self.state.stride / float(fit.rate_hz))
+        found = self.mismatches
         return {
             **channel_header(channel, fit),
             "verdict": self.verdict,
             "false_alarm_probability": self.false_alarm_probability,
             "mismatch": found
             if self.reference is None
-            else compared(self.before, self.reference, found),
+            else compared(self.before, self.reference, found, list(self.simulated)),
+            "compared_with_simulation": self.reference is not None,
             "effects": shown,
             "coefficients_before": plain,
             "coefficients_after": plain
@@ -115,7 +124,9 @@ class ChannelExplanation:
             name: self._parameter(effect, name, draws) for name, draws in effect.parameters.items()
         }
         for name, values in effect.lists.items():
-            parameters[name] = {"value": values, "unit": "s", "intervals": {}}
+            unit, factor = self._unit(effect, name)
+            told = (np.asarray(values) / factor).tolist()
+            parameters[name] = {"value": told, "unit": unit, "intervals": {}}
         return {
             "name": effect.name,
             "probability": effect.probability,
@@ -130,9 +141,8 @@ class ChannelExplanation:
     def _parameter(
         self, effect: Effect, name: str, draws: Float[np.ndarray, " _"]
     ) -> dict[str, Any]:
-        parameter = next(each for each in EFFECTS[effect.name].parameters if each.name == name)
-        power = {"u": 1, "u/K": 1, "u^2/Hz": 2, "1/u": -1}.get(parameter.unit, 0)
-        values = draws / self.channel.factor**power
+        unit, factor = self._unit(effect, name)
+        values = draws / factor
 
         def interval(probability: float) -> list[float]:
             tail = (1 - probability) / 2
@@ -140,10 +150,16 @@ class ChannelExplanation:
 
         exact = bool(np.ptp(values) == 0)
         return {
-            "value": effect.value(name) / self.channel.factor**power,
-            "unit": parameter_unit(parameter, self.channel.unit),
+            "value": effect.value(name) / factor,
+            "unit": unit,
             "intervals": {} if exact else {"0.68": interval(0.68), "0.95": interval(0.95)},
         }
+
+    def _unit(self, effect: Effect, name: str) -> tuple[str, float]:
+        """The unit that a parameter is told in, and one such unit in SI and seconds."""
+        parameter = next(each for each in EFFECTS[effect.name].parameters if each.name == name)
+        power = {"u": 1, "u/K": 1, "u^2/Hz": 2, "1/u": -1}.get(parameter.unit, 0)
+        return parameter_unit(parameter, self.channel.unit), self.channel.factor**power
 
     def _improvement(self) -> dict[str, Any] | None:
         if self.held_out is None:
@@ -211,17 +227,15 @@ def explain_recording(
     found = []
     for channel in recording.channels:
         announce(channel.name)
-        found.append(
-            _explain_channel(
-                channel,
-                recording,
-                compared_with.get(channel.name),
-                sampling,
-                alarm,
-                posterior,
-                seed,
-            )
-        )
+        explained = _explain_channel(channel, recording, sampling, alarm, posterior, seed)
+        reference = compared_with.get(channel.name)
+        if reference is not None:
+            simulated = ()
+            if reference.simulated is not None:
+                own = _explain_channel(*reference.simulated, sampling, alarm, False, seed)
+                simulated = tuple(own.mismatches)
+            explained = replace(explained, reference=reference, simulated=simulated)
+        found.append(explained)
         done()
     return Explanation(recording, tuple(found))
 
@@ -232,7 +246,6 @@ explain = explain_recording
 def _explain_channel(
     channel: Channel,
     recording: Recording,
-    reference: Reference | None,
     sampling: Sampling,
     alarm: float,
     posterior: bool,
@@ -263,7 +276,7 @@ def _explain_channel(
         seed=seed,
     )
     if not state.findings and state.unexplained is None:
-        return ChannelExplanation(channel, fit, None, state, (), None, None, reference)
+        return ChannelExplanation(channel, fit, None, state, (), None, None)
     draws = sample_structure(state.model, state.data, seed, quick=not posterior)
     if draws.likeliest is not None:
         state.model = draws.likeliest
@@ -286,9 +299,7 @@ def _explain_channel(
         jnp.asarray(state.data.bins.shape),
         jnp.asarray(float(fitted)),
     )
-    return ChannelExplanation(
-        channel, fit, after, state, effects, score, _finite(chance), reference
-    )
+    return ChannelExplanation(channel, fit, after, state, effects, score, _finite(chance))
 
 
 def _plain(name: str) -> str:

@@ -34,6 +34,8 @@ _RARE = 0.05
 _STEP_PATH = 100.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
+# And where so many samples have them, they are the noise itself, which has long tails.
+USUAL = 0.2
 
 
 def about_spread(state: Investigation, seed: int) -> bool:
@@ -125,6 +127,8 @@ def about_spread(state: Investigation, seed: int) -> bool:
         clear = np.abs(even) > spiky.threshold
         if clear.mean() < _RARE:
             wrong = _excise(state, piece, even, spiky, clear)
+        elif spiky.fraction > USUAL:
+            wrong = 0.0
         else:
             wrong = float(np.var(even)) - spiky.sigma**2
         state.foreign += wrong / height**2

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from . import _search
+from . import _means, _search
 from ._clock import logged_density
 from ._effect import Effect
 from ._state import Finding, Investigation
@@ -14,21 +14,31 @@ from ._state import Finding, Investigation
 # Part of the evidence that a reported band holds.
 _INSIDE = 0.8
 _CHANCE_FLOOR = 1e-300
+# What no spectrum shows, but the values or their times.
+_IN_VALUES = {
+    "saturation": "Values pile up at the end of the range",
+    "output_rounding": "The values fall on few codes",
+    "outliers": "Some values are larger than normal noise has them",
+    "dropped_samples": "The time stamps leave out samples",
+}
 _IN_TIME = ("step", "warm_up", "disturbance", "variance_modulation")
 
 
 def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> list[dict[str, Any]]:
-    """One entry an effect, in Hz or s."""
+    """One entry an effect, with its name, in Hz or s."""
     entries = []
     for effect in effects:
         finding = _finding(state, effect.name)
         chance = math.exp(max(finding.log_p, math.log(_CHANCE_FLOOR))) if finding else 0.0
         if effect.name == "sample_hold" and state.stride > 1:
-            entries.append(_images(state, chance, dt))
+            entry = _images(state, chance, dt)
+        elif effect.name in _IN_VALUES:
+            entry = _in_values(state, _IN_VALUES[effect.name], chance, dt)
         elif effect.name in _IN_TIME or effect.in_time:
-            entries.append(_in_time(state, effect, chance, dt))
+            entry = _in_time(state, effect, chance, dt)
         else:
-            entries.append(_in_frequency(state, effect, chance, dt))
+            entry = _in_frequency(state, effect, chance, dt)
+        entries.append({**entry, "effect": effect.name})
     return sorted(entries, key=lambda entry: entry["p_value"])
 
 
@@ -64,6 +74,18 @@ def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> 
     }
 
 
+def _in_values(state: Investigation, what: str, chance: float, dt: float) -> dict[str, Any]:
+    return {
+        "domain": "time",
+        "low": 0.0,
+        "high": state.values.size * dt,
+        "unit": "s",
+        "ratio": 1.0,
+        "p_value": chance,
+        "sentence": f"{what}, at any time of the recording.",
+    }
+
+
 def _images(state: Investigation, chance: float, dt: float) -> dict[str, Any]:
     """Where a log that is faster than the sensor's clock has images of what is below."""
     low, high = 0.5 / dt, 0.5 * state.stride / dt
@@ -76,20 +98,16 @@ def _images(state: Investigation, chance: float, dt: float) -> dict[str, Any]:
 
 def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float) -> dict[str, Any]:
     low, high = _band(state, effect, dt)
-    first = _search.mean_density(state.first, state.first_data)
-    frequency = state.first_data.bins.frequency / dt
-    used = state.first_data.bins.used
-    inside = used & (frequency >= low) & (frequency <= high)
-    if not inside.any():
-        inside = used & (
-            np.abs(frequency - (low + high) / 2)
-            == np.min(np.abs(frequency[used] - (low + high) / 2))
-        )
-    weight = np.asarray(state.first_data.bins.shape)[inside]
-    ratio = float(
-        np.sum(weight * np.asarray(state.first_data.bins.density)[inside] / first[inside])
-        / np.sum(weight)
+    # By single ordinates: a bin is wider than a line.
+    frequency = state.spectrum.frequency / dt
+    begin, end = np.searchsorted(frequency, [low, high])
+    begin = min(begin, frequency.size - 1)
+    inside = slice(begin, max(end, begin + 1))
+    part = state.spectrum._replace(
+        frequency=state.spectrum.frequency[inside], amplitude=state.spectrum.amplitude[inside]
     )
+    expected = _means.ordinate_variance(part, state.first, state.first_data)
+    ratio = float(np.mean(part.amplitude**2 / expected))
     even = abs(ratio - 1) < 0.02
     power = (
         "more power in one part and less in another than"

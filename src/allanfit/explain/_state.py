@@ -41,6 +41,8 @@ _NEAR_ZERO = 0.002
 _LEAKED = 0.05
 # So many logs of rates for one of differences of an angle, among those with coarse codes.
 _RATES = 3.0
+# How exactly that Q is expected, in the logarithm of its square.
+_ROUGH = 0.02
 
 
 @dataclass
@@ -226,7 +228,11 @@ def _rate_is_rounded(state: Investigation) -> float:
     if width < _FINE * state.format.sigma or state.format.repeat is not None:
         return 1.0
     _, covariance = log_scatter(model.theta, model.kinds, state.data)
-    deviation = float(np.sqrt(covariance[0, 0]))
+    # Rounding an angle that moves by less than a code between samples is not quite white, and its
+    # errors correlate by about exp(-2 (pi s)^2), s being that move in codes.
+    move = np.exp(model.theta[1] / 2) / width
+    alike = _ROUGH + 2 * np.exp(-2 * (np.pi * move) ** 2)
+    deviation = float(np.hypot(np.sqrt(covariance[0, 0]), alike))
     score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
     vague = 0.5 * np.exp(-_search.rise_without(0, model, state.data) / 2)
     vague += 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)

@@ -35,8 +35,10 @@ def two_levels(
     null = np.array(
         [_kurtosis(weight * spread * rng.standard_normal(count)) for _ in range(_SURROGATES)]
     )
-    # Beyond all surrogates the tail is taken for normal.
-    normal = (found - null.mean()) / null.std()
+    # Beyond all surrogates the tail is taken for normal, in the logarithm of what is above 1: no
+    # kurtosis is below that, and of two levels alone it is as much.
+    above = np.log(np.maximum(null - 1, 1e-9))
+    normal = (np.log(max(found - 1, 1e-9)) - above.mean()) / above.std()
     beyond = float(np.mean(null <= found))
     if beyond > 0:
         return found, beyond

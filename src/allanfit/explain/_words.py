@@ -3,6 +3,7 @@
 from typing import Any
 
 from ._effect import Effect
+from ._lasting import USUAL
 
 Parameters = dict[str, dict[str, Any]]
 
@@ -60,12 +61,16 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + (
                 f" at {effect.lists['times'][0]:.6g} s."
                 if count == 1
-                else f" on average, {count} times."
+                else f" on average, {count} times, up or down."
             )
         ),
         "outliers": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
             f"{told('amplitude')} added, which inflate N."
+            if shown["fraction"]["value"] <= USUAL
+            else "The noise has longer tails than normal noise, as if "
+            f"{100 * shown['fraction']['value']:.2g} % of the samples had noise of "
+            f"{told('amplitude')} added; N is that of all of it."
         ),
         "output_rounding": lambda: (
             f"The output is rounded to steps of {told('lsb')}, beside which the noise is not "

@@ -46,11 +46,11 @@ def draw_recording(
 ) -> Float[Array, " samples"]:
     """Draw the terms of a model and apply effects, in the order of a sensor.
 
-    That order is low-pass filters, bumps, modulation of the noise, added noises and means,
-    outliers, lost samples, the bias, the end of the range, rounding and holding, whatever the
-    order of `effects`. A filter passes white noise with its aliases and slow noise without any,
-    and neither the quantization noise, which the counting behind it makes (in front of a digital
-    filter), nor the ramp, which it does not change.
+    That order is low-pass filters, modulation of white and quantization noise, bumps, added noises
+    and means, outliers, lost samples, the bias, the end of the range, rounding and holding,
+    whatever the order of `effects`. A filter passes white noise with its aliases and slow noise
+    without any, and neither the quantization noise, which the counting behind it makes (in front of
+    a digital filter), nor the ramp, which it does not change.
     """
     length = samples
     for effect in effects:
@@ -81,8 +81,12 @@ def draw_recording(
                 else filtered(terms[symbol], lambda f, h=effect: h.passed(f, dt), dt)
             )
     ramp = terms.pop("R", jnp.zeros(()))
+    for effect, _ in of(VarianceModulation):
+        assert isinstance(effect, VarianceModulation)
+        for symbol in terms.keys() & {"Q", "N"}:
+            terms[symbol] = effect.strength(length, dt) * terms[symbol]
     drawn = sum(terms.values(), jnp.zeros(length))
-    for effect, each in of(Bump, VarianceModulation):
+    for effect, each in of(Bump):
         drawn = effect.apply(each, drawn, dt, sampling)
     drawn += ramp
     for effect, each in of(*_FELT):

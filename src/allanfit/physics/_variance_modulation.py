@@ -14,7 +14,8 @@ from ._term import Sampling
 class VarianceModulation(AbstractEffect):
     """Within `intervals` [s] the fast noise is `ratio` times as strong as outside.
 
-    Fast is what differs from the running mean over a second.
+    In a recording that is drawn, the white and the quantization noise; of samples, what differs
+    from the running mean over a second.
     """
 
     ratio: Float[Array, ""]
@@ -32,5 +33,8 @@ class VarianceModulation(AbstractEffect):
     ) -> Float[Array, " samples"]:
         """Samples, the fast part of some of them enlarged; nothing is drawn."""
         fast = samples - running_mean(samples, dt)
-        excited = inside(dt * jnp.arange(samples.shape[0]), self.intervals)
-        return samples + jnp.where(excited, self.ratio - 1, 0.0) * fast
+        return samples + (self.strength(samples.shape[0], dt) - 1) * fast
+
+    def strength(self, samples: int, dt: float) -> Float[Array, " samples"]:
+        """How many times as strong the noise is at each sample."""
+        return jnp.where(inside(dt * jnp.arange(samples), self.intervals), self.ratio, 1.0)

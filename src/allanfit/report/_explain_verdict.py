@@ -56,7 +56,8 @@ def simulation_sentence(channel: Mapping[str, Any]) -> str:
     """What is wrong with the simulation compared with, "" where there was none."""
     causes = [entry for entry in channel["mismatch"] if entry.get("cause")]
     if not causes:
-        return ""
+        agrees = "The simulation agrees with the recording: no more differs than chance explains."
+        return agrees if channel.get("compared_with_simulation") else ""
     off = sorted({entry["coefficient"] for entry in causes if entry.get("coefficient")})
     absent = any(entry["cause"] == "physics" for entry in causes)
     parts = []
