@@ -25,6 +25,8 @@ _PADDING = 128
 # Distances from the Nyquist frequency [cycles per sample] between which bins are finer.
 _NEAR_NYQUIST = (0.05, 5e-4)
 _BINS_NEAR_NYQUIST = 24
+# What leaks comes at the ends of the record, where a tenth of the noise is a disturbance.
+_LEAST = 10.0
 # Bins that a line fills at most.
 _NARROW = 5
 # Above this frequency [cycles per sample] the largest density says what the ends may leak.
@@ -91,7 +93,7 @@ class Bins(NamedTuple):
         return np.asarray(self.shape) > 0
 
 
-def averaged(values: Float[Array, "bins three"]) -> Float[Array, " bins"]:
+def averaged(values: Float[Array, "*shape three"]) -> Float[Array, "*shape"]:
     """The mean over each bin of what was computed at its `nodes`."""
     return values @ jnp.asarray(_WEIGHTS, values.dtype)
 
@@ -211,7 +213,7 @@ def above_leakage(spectrum: Ordinates, bins: Bins) -> Ordinates:
     # What slow noise leaks is in `expected`.
     fast = frequency > _FAST
     broad = median_filter(density[fast], _NARROW, mode="nearest").max(initial=0.0)
-    faint = fast & (density < broad / spectrum.longest)
+    faint = fast & (density < _LEAST * broad / spectrum.longest)
     # Each bin reaches half way to the next.
     middle = (frequency[1:] + frequency[:-1]) / 2
     low, high = np.append(0.0, middle), np.append(middle, 0.5)
@@ -223,7 +225,7 @@ def less_bands(spectrum: Ordinates, bands: list[tuple[float, float]]) -> Ordinat
     end = float(spectrum.frequency[-1])
     top = min((low for low, high in bands if high >= end), default=0.5)
     holes = tuple((float(low), float(high)) for low, high in bands if high < end)
-    return spectrum._replace(top=min(float(top), spectrum.top), holes=holes)
+    return spectrum._replace(top=float(top), holes=holes)
 
 
 def leakage(

@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from ..identify._posterior import _ABSENCE
 from ._chance import PRICE
 from ._climb import log_slopes, parts
-from ._running_mean import nearest_running_means
+from ._running_mean import nearest_running_means, running_means
 from ._search import Model, best, rise_without
 from ._structure import (
     DROOPING,
@@ -96,7 +96,8 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
     alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
     tried = [(kind, cutoff, order) for kind in alike]
-    tried += [(RUNNING_MEAN, *each) for each in nearest_running_means(cutoff)]
+    means = {*nearest_running_means(cutoff), *running_means(data)[:2]}
+    tried += [(RUNNING_MEAN, *each) for each in sorted(means)]
     starts = []
     for kind, cutoff, order in tried:
         if kind != model.kinds.shaping:

@@ -95,13 +95,17 @@ class Data(NamedTuple):
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
 
 
+def droop_of(three: Any) -> Float[Array, "..."]:
+    """From -3, a high peak, to 1, a single pole; 0 at 0."""
+    return 1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3))
+
+
 def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
     """A filter from its three free parameters, the first of which says how it droops if it does."""
     kind = shaping.removeprefix("drooping_")
     return LowPass(
         *shape_of(kind, three, samples),
-        # From -3, a high peak, to 1, a single pole; 0 at 0.
-        droop=1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3)) if shaping in DROOPING else None,
+        droop=droop_of(three) if shaping in DROOPING else None,
         digital=kind == "digital_low_pass",
         averaged=kind == "averaged_low_pass",
         running_mean=kind == RUNNING_MEAN,

@@ -140,8 +140,8 @@ class LowPass(AbstractFilter):
 
 
 def running_mean_gain(
-    frequency: Float[Array, "*shape"] | np.ndarray, taps: Float[Array, "*shape"] | np.ndarray
-) -> Float[Array, "*shape"]:
+    frequency: Float[Array, "..."] | np.ndarray, taps: Float[Array, "..."] | np.ndarray
+) -> Float[Array, "..."]:
     """|H|^2 of the mean of the last n samples, at frequencies in cycles per sample."""
     turn = jnp.pi * jnp.asarray(frequency)
     still = turn == 0

@@ -9,6 +9,7 @@ from ._format import Number, beside_error, p_value, significant, with_error
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE = 0.9  # of an effect; below, the sentence says "probably"
 _AGREES = 0.01  # p-value, as for a fit
+_NEARLY = 1e-4  # below, what is left out changes what is named
 _MANY = 100  # standard errors, beyond which their number says nothing
 
 
@@ -38,7 +39,16 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
     start = f"The five-term model {'' if sure else 'probably '}leaves out {left_out}"
     if verdict == "unexplained":
         return f"{start}, and something more that no effect of the catalogue explains."
-    return f"{start}; with {'that' if len(effects) == 1 else 'them'} it describes the recording."
+    with_them = f"{start}; with {'that' if len(effects) == 1 else 'them'} it"
+    after = (channel["improvement"] or {}).get("p_value_after")
+    if after is None or after >= _AGREES:
+        return f"{with_them} describes the recording."
+    if after >= _NEARLY:
+        return f"{with_them} nearly describes the recording."
+    return (
+        f"{with_them} does not describe the recording yet: there is more, or a cause has another "
+        "shape, and neither the names nor the numbers are certain."
+    )
 
 
 def chance_sentence(channel: Mapping[str, Any]) -> str:
