@@ -25,10 +25,10 @@ from ._structure import (
     TERMS,
     Data,
     active,
+    droop_of,
     free_filter,
     held_columns,
     shape_of,
-    sieve,
 )
 
 _WALKERS = 32
@@ -85,9 +85,8 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
 
 
 def _filters(shaping: str, three: Float[np.ndarray, "three draws"], samples: Any):
-    found = sieve(shaping, three, samples)
-    droop = np.zeros(three.shape[1]) if found.droop is None else found.droop
-    return np.stack([found.cutoff_frequency, found.order, droop], axis=1)
+    droop = droop_of(three) if shaping in DROOPING else np.zeros(three.shape[1])
+    return np.stack([*shape_of(shaping, three, samples), droop], axis=1)
 
 
 def _other_filters(model: Model, data: Data) -> list[Model]:
