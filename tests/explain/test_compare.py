@@ -4,11 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
 from allanfit.explain._compare import compared, references
 from allanfit.identify import fit_series
+from allanfit.report._explain_verdict import simulation_sentence
 
 RATE, SAMPLES = 100.0, 4096
 
@@ -35,6 +37,47 @@ def test_a_simulation_of_the_same_sensor_differs_by_chance_only(tmp_path):
         (reference,) = references(simulation, recording, "point").values()
         differing += bool(compared(fit, reference, []))
     assert differing < 4
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory):
+    """Two records of noise with a resonance at 20 Hz, and a third without."""
+    folder, paths = tmp_path_factory.mktemp("shaken"), []
+    for seed, strength in ((5, 1.0), (6, 1.0), (7, 0.0)):
+        rng = np.random.default_rng(seed)
+        # Two poles on a circle of .95.
+        pole = 2 * 0.95 * np.cos(2 * np.pi * 0.2)
+        ring = lfilter([0.3], [1, -pole, 0.95**2], rng.standard_normal(4 * SAMPLES))
+        x = rng.standard_normal(4 * SAMPLES) + strength * ring
+        paths.append(written(folder / f"{seed}.npz", x, "deg/s"))
+    return paths
+
+
+def test_a_simulation_with_the_physics_agrees(shaken):
+    one, other, bare = shaken
+    same = explain_recording(allanfit.load(one), simulation=other, posterior=False)
+    (channel,) = same.to_dict()["channels"]
+    assert [effect["name"] for effect in channel["effects"]] == ["resonance"]
+    assert channel["mismatch"] == []
+    assert channel["compared_with_simulation"]
+    assert "agrees with the recording" in simulation_sentence(channel)
+    without = explain_recording(allanfit.load(one), simulation=bare, posterior=False)
+    (channel,) = without.to_dict()["channels"]
+    assert channel["mismatch"][0]["cause"] == "physics"
+    assert "absent" in simulation_sentence(channel)
+    # What the tool says is a simulation too.
+    named = one.with_suffix(".json")
+    named.write_text(json.dumps(same.to_dict()))
+    again = explain_recording(allanfit.load(one), simulation=named, posterior=False)
+    assert not [each for each in again.to_dict()["channels"][0]["mismatch"] if each["ratio"] > 1.3]
+
+
+def test_a_simulation_with_physics_of_its_own_is_told(shaken):
+    one, _, bare = shaken
+    found = explain_recording(allanfit.load(bare), simulation=one, posterior=False)
+    (channel,) = found.to_dict()["channels"]
+    assert channel["verdict"] == "consistent"
+    assert "which the recording has not" in channel["mismatch"][0]["sentence"]
 
 
 def test_what_measures_something_else_is_refused(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from allanfit.explain._investigate import investigate
 from allanfit.explain._rounds import take_one
 from allanfit.explain._state import begin
 
@@ -40,3 +41,15 @@ def test_a_line_that_wanders_is_no_sinusoid():
     lines, bands = lines_of(x)
     assert lines == []
     assert bands > 0
+
+
+def test_a_line_far_above_the_noise_hides_nothing_and_makes_nothing_up():
+    """What it leaks once was a knock, noise that changes and outliers. Hum with a harmonic."""
+    time = np.arange(SAMPLES)
+    x = np.random.default_rng(3).standard_normal(SAMPLES)
+    x += 40 * np.sin(2 * np.pi * 0.123 * time + 1) + 12 * np.sin(2 * np.pi * 0.246 * time)
+    power = np.array([0.0, np.var(x), 0.0, 0.0])
+    state = investigate(x, ((0, SAMPLES),), "point", power)
+    assert {finding.name for finding in state.findings} == {"sinusoid"}
+    assert sorted(c.shape["frequency"] for c in state.courses) == pytest.approx([0.123, 0.246])
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)

@@ -6,7 +6,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.signal import butter, sosfilt
+from scipy.optimize import brentq
+from scipy.signal import butter, cont2discrete, lfilter, sosfilt
 
 from allanfit.physics import (
     Bump,
@@ -28,6 +29,9 @@ from allanfit.physics import (
     VarianceModulation,
     VibrationRectification,
     WarmUp,
+    draw_recording,
+    effect_from,
+    standard_model,
 )
 
 DT = 0.01
@@ -165,6 +169,57 @@ def test_a_filter_behind_the_converter():
     low_pass = LowPass(jnp.asarray(20.0), jnp.asarray(2.0), digital=True)
     assert agrees(np.asarray(found), lambda f: low_pass.gain(f, DT))
     assert not agrees(np.asarray(found), lambda f: made(LowPass, 20.0, 2.0).gain(f, DT))
+
+
+def test_a_running_mean_of_samples():
+    """By convolution, of five samples and twice of three; false alarm about 5e-5 each."""
+    white = np.random.default_rng(5).standard_normal((400, 1034)) * np.sqrt(0.5 / DT)
+    for taps, times, kernel in ((5, 1, np.ones(5) / 5), (3, 2, np.array([1, 2, 3, 2, 1]) / 9)):
+        found = np.stack([np.convolve(row, kernel, "valid")[:1024] for row in white])
+        # Half of the power passes where sin(n x)^2k = (n sin x)^2k / 2.
+        x = brentq(lambda x: (np.sin(taps * x) / (taps * np.sin(x))) ** (2 * times) - 0.5, 0.01, 1)  # noqa: B023
+        low_pass = LowPass(
+            jnp.asarray(x / np.pi / DT), jnp.asarray(float(times)), running_mean=True
+        )
+        assert float(low_pass.taps(DT)) == pytest.approx(taps)
+        # What leaks to the zeros in 1024 samples is a tenth of the highest octave.
+        assert agrees(found, lambda f, each=low_pass: each.gain(f, DT), 0.1)
+        plain = LowPass(low_pass.cutoff_frequency, low_pass.order, digital=True)
+        assert not agrees(found, lambda f, each=plain: each.gain(f, DT), 0.1)
+
+
+def test_a_filter_that_droops():
+    """An oscillator damped by 1.2, by SciPy at 16 times the rate. False alarm about 5e-5."""
+    random = np.random.default_rng(6)
+    turn, damping = 2 * np.pi * 30.0, 1.2
+    numerator, denominator, _ = cont2discrete(
+        ([turn**2], [1, 2 * damping * turn, turn**2]), DT / 16, "bilinear"
+    )
+    white = random.standard_normal((200, 16 * 1100)) * np.sqrt(0.5 * 16 / DT)
+    fine = lfilter(numerator[0], denominator, white)
+    # 1 + c y + y^2 with y = (f/f_0)^2 and c = 4 damping^2 - 2, which is 2 at f_c.
+    c = 4 * damping**2 - 2
+    y = (np.sqrt(c**2 + 4) - c) / 2
+    low_pass = LowPass(jnp.asarray(30.0 * np.sqrt(y)), jnp.asarray(2.0), droop=jnp.asarray(c * y))
+    assert agrees(fine[:, 16 * 76 :: 16], lambda f: low_pass.folded(f, DT))
+    assert not agrees(
+        fine[:, 16 * 76 :: 16], lambda f: made(LowPass, 30.0 * np.sqrt(y), 2.0).folded(f, DT)
+    )
+
+
+def test_loud_times_are_loud_at_all_frequencies():
+    """White noise twice as strong: block means of two seconds as well. 400 each, to 12 %."""
+    effect = effect_from("variance_modulation", {"ratio": 2.0, "intervals": [[800.0, 1600.0]]})
+    drawn = draw_recording(KEY, standard_model({"N": 1.0}), [effect], 160_000, DT, "point")
+    means = np.asarray(drawn).reshape(-1, 200).mean(axis=1)
+    assert means[400:].std() / means[:400].std() == pytest.approx(2, rel=0.12)
+
+
+def test_steps_up_and_down():
+    given = {"amplitude": 1.0, "times": [2.0, 6.0], "heights": [1.5, -0.5]}
+    effect = effect_from("step", given)
+    drawn = np.asarray(draw_recording(KEY, standard_model({}), [effect], 1000, DT, "point"))
+    assert list(drawn[[100, 300, 700]]) == pytest.approx([0, 1.5, 1.0])
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from . import _search
 from ._chance import log_chance
 from ._clock import fresh_values
 from ._lasting import about_spread, loudness, without
-from ._rounds import take_one
+from ._rounds import take_one, take_strong_lines
 from ._state import (
     Finding,
     Investigation,
@@ -65,6 +65,7 @@ def investigate(
         state.stride = stride
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
     about_format(state)
+    take_strong_lines(state)
     knocked = about_spread(state, seed)
     if knocked:
         cut = without(pieces, state.knocks)
@@ -74,6 +75,7 @@ def investigate(
         later.stride = state.stride
         state = later
         about_format(state)
+        take_strong_lines(state)
         about_spread(state, seed)
     if lost > 0:
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))

@@ -33,6 +33,8 @@ _LINE_WIDTH = 4
 _NARROWEST = _LINE, _BAND = "line", "band"
 # And another shape of a filter that is known.
 _DROOP = "droop"
+# In twice the log-likelihood.
+_STRONG = 2e4
 # Ordinates to either side that no sinusoid fills.
 _SPREAD = 32
 # Ordinates about a line within which nothing else may be.
@@ -66,6 +68,15 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
+
+
+def take_strong_lines(state: Investigation) -> None:
+    """Lines so strong that what they leak hides whether the noise lasts."""
+    for _ in range(_MOST_LINES):
+        found = _line_options(state)
+        if not found or found[0].gain < _STRONG or found[0].log_p > np.log(state.alarm):
+            return
+        found[0].take({})
 
 
 def options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
@@ -154,6 +165,8 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     same = [
         course for course in state.lines if abs(course.shape["frequency"] - sine.frequency) < close
     ]
+    if len(same) == 1 and "nearer" not in same[0].shape and _nearer(state, same[0], white):
+        return
     if alone and not beside and not same:
         course = _means.oscillation(sine.frequency, state.longest[0], state.values.size)
         course.shape["deviation"] = sine.frequency_deviation
@@ -169,6 +182,37 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     # ordinates is as broad as some dozen of them, and has its turn.
     state.peaks += [other for other in peaks[1:] if other.half_width * samples > _SPREAD]
     finer_edges(state)
+
+
+def _nearer(state: Investigation, course: Course, white: np.ndarray) -> bool:
+    """The frequency of a line again, from what is left of it; whether it is near.
+
+    While it was there, the level on which it stood was not well known. A sinusoid whose frequency
+    is wrong by d leaves 2 pi d t times its derivative in phase.
+    """
+    frequency, old = course.shape["frequency"], course
+    start, stop = state.longest
+    time = np.arange(stop - start)
+    angle = 2 * np.pi * frequency * time
+    basis = np.column_stack([np.cos(angle), np.sin(angle)])
+    late = time[:, None] - time.mean()
+    cosine, sine = np.linalg.lstsq(np.hstack([basis, late * basis]), white, rcond=None)[0][2:]
+    # What whitening makes of its amplitude, which is zero at no frequency near by.
+    place = next(i for i, each in enumerate(state.courses) if each is course)
+    begin = sum(each.template.shape[1] for each in state.courses[:place])
+    density = np.interp(frequency, state.left.frequency, level(state.left, state.variance))
+    assert state.sized is not None
+    a, b = state.sized.sizes[begin : begin + 2] / np.sqrt(density / 2)
+    moved = (cosine * b - sine * a) / (2 * np.pi * (a**2 + b**2))
+    if abs(moved) > 0.5 / white.size:
+        return False
+    before = list(state.findings)
+    drop_courses(state, [old])
+    (finding,) = [each for each in before if not any(each is other for other in state.findings)]
+    course = _means.oscillation(frequency + moved, start, state.values.size)
+    course.shape.update(deviation=old.shape["deviation"], nearer=True)
+    add_course(state, course, finding)
+    return True
 
 
 def _sharp(peak: Peak, samples: int) -> bool:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
+from ._chance import PRICE
 from ._climb import LEAST_GAIN, climb, expected_density, rescale
 from ._running_mean import running_means
 from ._structure import (
@@ -30,6 +31,8 @@ _STARTS = 8
 _MOST_ADDED = 3
 # Less than this in a step, and another start of the same name is ahead or soon will be.
 _ROUGH_GAIN = 0.02
+# Quantization noise over white noise at the Nyquist frequency that is worth a word.
+_MUCH = 0.05
 # Part of the spectrum that a term is given to start with.
 _FAINT = 1e-4
 # Quality and relative width up to which they are usual, and the power with which they become rare.
@@ -147,7 +150,7 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     found = best([(kinds, theta) for _, kinds, theta in starts], data, _ROUGH_GAIN)
     leading: dict[str, Model] = {}
     for (name, _, _), reached in zip(starts, found, strict=True):
-        if name not in leading or reached.deviance < leading[name].deviance:
+        if name not in leading or _cost(reached, data) < _cost(leading[name], data):
             leading[name] = reached
     # Of many starts one matters, and it goes the rest of its way alone.
     whole = [best([(rough.kinds, rough.theta)], data)[0] for rough in leading.values()]
@@ -155,6 +158,16 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
         Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
         for name, reached in zip(leading, whole, strict=True)
     ]
+
+
+def _cost(model: Model, data: Data) -> float:
+    """The deviance, and a price if a filter takes quantization noise for what it passes."""
+    if not model.kinds.filtering:
+        return model.deviance
+    quantization, white = np.asarray(data.bins.expected)[data.bins.used][-1, :2]
+    power = np.exp(model.theta[:2])
+    needed = power[0] * quantization > _MUCH * power[1] * white
+    return model.deviance + (PRICE if needed else 0.0)
 
 
 def _highest(model: Model, data: Data) -> list[tuple[float, float]]:

@@ -267,7 +267,7 @@ def finer_edges(state: Investigation) -> None:
         for zero in np.arange(1, taps / 2 + 0.1) / taps:
             pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
     state.edges = bin_edges(state.spectrum.longest, tuple(pairs))
-    rebin(state)
+    rebin(state) if state.sized is None else resize(state)
 
 
 def leave_leakage(state: Investigation) -> None:
@@ -275,17 +275,19 @@ def leave_leakage(state: Investigation) -> None:
 
     What two ends leak is no noise of its own at each frequency: it would bend the filter.
     """
-    finer_edges(state)
     kinds, theta = state.model.kinds, state.model.theta
-    three, nodes = theta[TERMS : TERMS + EACH], points(LEAKAGE_GRID)
-    _, passed, _ = shaped(kinds.shaping, three, nodes, state.data.samples)
-    leaked = leakage(2 * np.exp(theta[1]) * np.asarray(passed), state.left.frequency)
-    unclean = leaked > _LEAKED * state.spectrum.longest * state.variance
-    if unclean.any():
-        frequency = state.left.frequency
-        bands = [(frequency[a], frequency[b - 1]) for a, b in runs(unclean)]
-        state.spectrum = less_bands(state.spectrum, bands)
-        rebin(state) if state.sized is None else resize(state)
+    three, frequency = theta[TERMS : TERMS + EACH], state.spectrum.frequency
+
+    def passed(at: Float[np.ndarray, " frequencies"]) -> Float[np.ndarray, " frequencies"]:
+        gain = shaped(kinds.shaping, three, points(at), state.data.samples)[1]
+        return 2 * np.exp(theta[1]) * np.asarray(gain)
+
+    # By the filter alone: where ordinates were left out before, no bins say what is there.
+    least = _LEAKED * state.spectrum.longest * (passed(frequency) + float(state.data.foreign))
+    unclean = leakage(passed(LEAKAGE_GRID), frequency) > least
+    bands = [(frequency[a], frequency[b - 1]) for a, b in runs(unclean)]
+    state.spectrum = less_bands(state.spectrum, bands)
+    finer_edges(state)
 
 
 def with_course(state: Investigation, course: Course) -> Sized:

@@ -1,0 +1,72 @@
+"""Filters of all shapes: named once, with nothing made up beside them."""
+
+import numpy as np
+import pytest
+from scipy.signal import bessel, cont2discrete, lfilter, sosfilt
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain._structure import EACH, TERMS, sieve
+
+SAMPLES = 30_000
+
+
+def noise(seed: int, samples: int = SAMPLES + 500) -> np.ndarray:
+    """White noise of one a sample, and a random walk."""
+    rng = np.random.default_rng(seed)
+    walk = np.cumsum(rng.standard_normal(samples))
+    return rng.standard_normal(samples) + 1e-3 * walk
+
+
+def found_in(values: np.ndarray):
+    """What an investigation names, the filter, and N."""
+    values = values[-SAMPLES:]
+    power = np.array([0.0, np.var(values), 0.0, 1e-6])
+    state = investigate(values, ((0, SAMPLES),), "point", power)
+    three = state.model.theta[TERMS : TERMS + EACH]
+    assert state.model.kinds.filtering
+    names = [finding.name for finding in state.findings]
+    return names, sieve(state.model.kinds.shaping or "", three, float(SAMPLES)), state
+
+
+@pytest.mark.parametrize(("taps", "times"), [(3, 1), (10, 1), (6, 2)])
+def test_a_running_mean_is_known_by_its_zeros(taps, times):
+    """By convolution; N within five of its standard errors, which are about 0.6 %."""
+    x = noise(taps)
+    for _ in range(times):
+        x = np.convolve(x, np.ones(taps) / taps, "valid")
+    names, low_pass, state = found_in(x)
+    assert names == ["low_pass"]
+    assert low_pass.running_mean
+    assert float(low_pass.taps(1.0)) == pytest.approx(taps, abs=1e-6)
+    assert float(low_pass.order) == pytest.approx(times, abs=1e-6)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_an_average_of_two_is_that_pole_which_the_bilinear_transform_puts_there():
+    """(1 + z^-1)/2 is both, with a cut-off at a quarter of the rate."""
+    names, low_pass, state = found_in(np.convolve(noise(2), [0.5, 0.5], "valid"))
+    assert names == ["low_pass"]
+    assert float(low_pass.cutoff_frequency) == pytest.approx(0.25, rel=0.03)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_a_bessel_filter_droops_and_is_no_filter_with_lines():
+    names, low_pass, state = found_in(sosfilt(bessel(2, 0.3, output="sos"), noise(4)))
+    assert names == ["low_pass"]
+    assert 0.3 < float(low_pass.droop) < 0.95
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+def test_an_oscillator_that_rises_before_its_corner_is_a_filter():
+    """Damped by 0.6, before the converter: sampled 8 times as fast and taken every 8th time."""
+    turn = 2 * np.pi * 0.15
+    numerator, denominator, _ = cont2discrete(
+        ([turn**2], [1, 2 * 0.6 * turn, turn**2]), 1 / 8, "bilinear"
+    )
+    fine = np.random.default_rng(5).standard_normal(8 * (SAMPLES + 500)) * np.sqrt(8)
+    names, low_pass, _ = found_in(lfilter(numerator[0], denominator, fine)[::8])
+    assert names == ["low_pass"]
+    assert float(low_pass.droop) < -0.2
+    # Half of the power passes where x^2 + (4 zeta^2 - 2) x = 1, x being the square of f/f_0.
+    x = np.roots([1, 4 * 0.36 - 2, -1]).max()
+    assert float(low_pass.cutoff_frequency) == pytest.approx(0.15 * np.sqrt(x), rel=0.08)

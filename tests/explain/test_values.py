@@ -1,0 +1,64 @@
+"""What values say, and what they do not: codes of an angle, long tails, two levels."""
+
+import numpy as np
+import pytest
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain._telegraph import two_levels
+
+SAMPLES = 40_000
+
+
+def named(values: np.ndarray):
+    power = np.array([0.0, np.var(values) / 2, 0.0, 0.0])
+    return investigate(values, ((0, values.size),), "point", power)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_differences_of_a_rounded_angle_are_quantization(seed):
+    """An angle that moves by .42 codes a sample: its errors are almost white, but not quite."""
+    rng = np.random.default_rng(seed)
+    angle = np.cumsum(0.42 * rng.standard_normal(SAMPLES + 1))
+    state = named(np.diff(np.round(angle)))
+    assert [finding.name for finding in state.findings] == []
+    quantization, white = np.exp(state.model.theta[:2] / 2)
+    assert white == pytest.approx(0.42, rel=0.02)
+    assert quantization == pytest.approx(12**-0.5, rel=0.04)
+
+
+def test_long_tails_are_the_noise_itself():
+    """Laplace: N is that of all samples, though a mixture of two would have half of them spikes."""
+    state = named(np.random.default_rng(5).laplace(size=SAMPLES) / np.sqrt(2))
+    assert [finding.name for finding in state.findings] == ["outliers"]
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.02)
+
+
+def test_two_levels_are_told_from_a_normal_process():
+    """Of 20 telegraphs of some 40 dwells nearly all are clear, of 20 relaxations hardly one."""
+    rng = np.random.default_rng(6)
+    modes, corner = 2000, 40
+    density = 1 / (1 + (np.arange(1, modes + 1) / corner) ** 2)
+    chances = {"telegraph": [], "relaxation": []}
+    length = 4000
+    for _ in range(20):
+        flips = rng.random(length) < np.pi * corner / (2 * length)
+        level = np.where(np.cumsum(flips) % 2, 1.0, -1.0)
+        for kind, series in (("telegraph", level), ("relaxation", None)):
+            if series is None:
+                amplitude = np.sqrt(density) * rng.standard_normal(modes)
+            else:
+                amplitude = cosine(series)[1 : modes + 1]
+                amplitude *= np.sqrt(density.sum() / np.sum(amplitude**2))
+            amplitude = amplitude + 0.05 * rng.standard_normal(modes)
+            chances[kind].append(
+                two_levels(amplitude, density, density + 0.0025, corner, seed=7)[1]
+            )
+    assert np.mean(np.array(chances["telegraph"]) < 1e-3) > 0.85
+    assert np.sum(np.array(chances["relaxation"]) < 1e-2) <= 2
+
+
+def cosine(series: np.ndarray) -> np.ndarray:
+    """The cosine transform by its sum."""
+    spectrum = np.fft.rfft(np.concatenate([series, series[::-1]]))
+    turn = np.exp(-1j * np.pi * np.arange(spectrum.size) / (2 * series.size))
+    return (turn * spectrum).real / np.sqrt(2 * series.size)
