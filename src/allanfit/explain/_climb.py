@@ -15,6 +15,7 @@ from jaxtyping import Float
 from ._structure import (
     EACH,
     FLOOR,
+    RUNNING_MEAN,
     TERMS,
     Data,
     Kinds,
@@ -128,13 +129,18 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
     return columns, bump, added
 
 
+def _program(shaping: str) -> str:
+    """A filter that droops is the same program as one that does not."""
+    return shaping.removeprefix("drooping_")
+
+
 def _shape(theta: Starts, kinds: Kinds, data: Data):
     """Filter, aliases and all or not, and bump of each start."""
     if kinds.shaping is None:
         one = np.ones((len(theta), len(data.bins.nodes)))
         return one, one, one
     three = theta[:, TERMS : TERMS + EACH]
-    found = _gains(kinds.shaping, three, data.bins.nodes, data.samples)
+    found = _gains(_program(kinds.shaping), three, data.bins.nodes, data.samples)
     return tuple(np.asarray(each) for each in found)
 
 
@@ -151,8 +157,12 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
     blocks = [noise]
     if kinds.shaping is not None:
         three = theta[:, TERMS : TERMS + EACH]
-        found = _gain_slopes(kinds.shaping, three, data.bins.nodes, data.samples)
-        folded, passed, bumped = (np.asarray(each) for each in found)
+        if kinds.shaping == RUNNING_MEAN:
+            # Of whole numbers, nothing to climb along.
+            folded = passed = bumped = np.zeros((*bump.shape, EACH))
+        else:
+            found = _gain_slopes(_program(kinds.shaping), three, data.bins.nodes, data.samples)
+            folded, passed, bumped = (np.asarray(each) for each in found)
         strong = held * power[:, None]
         white = strong[..., 1]
         if kinds.angle_filtered:

@@ -105,7 +105,8 @@ def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
     kind = shaping.removeprefix("drooping_")
     return LowPass(
         *shape_of(kind, three, samples),
-        droop=droop_of(three) if shaping in DROOPING else None,
+        # A droop of nothing too: one program serves filters that droop and those that do not.
+        droop=None if kind == RUNNING_MEAN else droop_of(three),
         digital=kind == "digital_low_pass",
         averaged=kind == "averaged_low_pass",
         running_mean=kind == RUNNING_MEAN,

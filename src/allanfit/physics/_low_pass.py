@@ -17,7 +17,7 @@ _ALIASES = 16
 # Newton's steps, each of which doubles the digits; the first estimate is within a fifth.
 _NEWTON = 7
 # For that integral where there is no series, Gauss-Legendre nodes on (0, 1).
-_NODES, _WEIGHTS = (np.polynomial.legendre.leggauss(16) + np.array([[1.0], [0.0]])) / 2
+_NODES, _WEIGHTS = (np.polynomial.legendre.leggauss(10) + np.array([[1.0], [0.0]])) / 2
 # A peak is no higher than the root of this.
 _LOWEST = 1e-2
 
