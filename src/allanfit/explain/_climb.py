@@ -23,6 +23,7 @@ from ._structure import (
     added_density,
     held_columns,
     shaped,
+    without_droop,
 )
 
 _STEPS = 60
@@ -129,18 +130,14 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
     return columns, bump, added
 
 
-def _program(shaping: str) -> str:
-    """A filter that droops is the same program as one that does not."""
-    return shaping.removeprefix("drooping_")
-
-
 def _shape(theta: Starts, kinds: Kinds, data: Data):
     """Filter, aliases and all or not, and bump of each start."""
     if kinds.shaping is None:
         one = np.ones((len(theta), len(data.bins.nodes)))
         return one, one, one
     three = theta[:, TERMS : TERMS + EACH]
-    found = _gains(_program(kinds.shaping), three, data.bins.nodes, data.samples)
+    # A filter that droops is the same program as one that does not.
+    found = _gains(without_droop(kinds.shaping), three, data.bins.nodes, data.samples)
     return tuple(np.asarray(each) for each in found)
 
 
@@ -161,7 +158,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
             # Of whole numbers, nothing to climb along.
             folded = passed = bumped = np.zeros((*bump.shape, EACH))
         else:
-            found = _gain_slopes(_program(kinds.shaping), three, data.bins.nodes, data.samples)
+            found = _gain_slopes(without_droop(kinds.shaping), three, data.bins.nodes, data.samples)
             folded, passed, bumped = (np.asarray(each) for each in found)
         strong = held * power[:, None]
         white = strong[..., 1]

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..physics import LowPass
@@ -88,9 +87,9 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             values["droop"] = droop
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
-        found_filter = sieve(kinds.shaping or "", draws.theta[0, TERMS : TERMS + EACH], samples)
+        kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
         flags = ("digital", "averaged", "running_mean")
-        flag = {name: np.ones(2) for name in flags if getattr(found_filter, name)}
+        flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
             Effect(
@@ -100,7 +99,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 {**values, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
-                note=_running_mean(told, dt) if found_filter.running_mean else "",
+                note=_running_mean(kind) if kind.running_mean else "",
                 told=told,
             )
         )
@@ -154,11 +153,10 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     return found
 
 
-def _running_mean(told: dict[str, float], dt: float) -> str:
-    cutoff, order = (jnp.asarray(told[name]) for name in ("cutoff_frequency", "order"))
-    taps = float(LowPass(cutoff, order, running_mean=True).taps(dt))
-    times = round(told["order"])
-    return f"a running mean of {taps:.0f} samples" + (f", {times} times over" if times > 1 else "")
+def _running_mean(kind: LowPass) -> str:
+    times = round(float(kind.order))
+    often = f", {times} times over" if times > 1 else ""
+    return f"a running mean of {float(kind.taps(1.0)):.0f} samples{often}"
 
 
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:

@@ -224,17 +224,18 @@ def explain_recording(
     """
     compared_with = references(simulation, recording, sampling)
     alarm = ALARM / len(recording.channels)
-    found = []
+    found, simulated = [], {}
     for channel in recording.channels:
         announce(channel.name)
         explained = _explain_channel(channel, recording, sampling, alarm, posterior, seed)
         reference = compared_with.get(channel.name)
         if reference is not None:
-            simulated = ()
-            if reference.simulated is not None:
+            # One simulated channel may serve several of the recording.
+            if reference.simulated is not None and id(reference) not in simulated:
                 own = _explain_channel(*reference.simulated, sampling, alarm, False, seed)
-                simulated = tuple(own.mismatches)
-            explained = replace(explained, reference=reference, simulated=simulated)
+                simulated[id(reference)] = tuple(own.mismatches)
+            known = simulated.get(id(reference), ())
+            explained = replace(explained, reference=reference, simulated=known)
         found.append(explained)
         done()
     return Explanation(recording, tuple(found))

@@ -33,7 +33,8 @@ def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> li
         if effect.name == "sample_hold" and state.stride > 1:
             entry = _images(state, chance, dt)
         elif effect.name in _IN_VALUES:
-            entry = _in_values(state, _IN_VALUES[effect.name], chance, dt)
+            said = f"{_IN_VALUES[effect.name]}, at any time of the recording."
+            entry = _of_time(0.0, state.values.size * dt, 1.0, chance, said)
         elif effect.name in _IN_TIME or effect.in_time:
             entry = _in_time(state, effect, chance, dt)
         else:
@@ -63,6 +64,12 @@ def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> 
         low, high = min(pair[0] for pair in times), max(pair[1] for pair in times)
         ratio = effect.value("ratio") if "ratio" in effect.parameters else 1.0
     where = f"at {low:.5g} s" if high - low < 1e-3 * end else f"from {low:.5g} to {high:.5g} s"
+    said = f"The recording is not the same throughout: it differs {where}."
+    return _of_time(low, high, ratio, chance, said)
+
+
+def _of_time(low: float, high: float, ratio: float, chance: float, said: str) -> dict[str, Any]:
+    """The entry of a time [s]."""
     return {
         "domain": "time",
         "low": low,
@@ -70,19 +77,7 @@ def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> 
         "unit": "s",
         "ratio": ratio,
         "p_value": chance,
-        "sentence": f"The recording is not the same throughout: it differs {where}.",
-    }
-
-
-def _in_values(state: Investigation, what: str, chance: float, dt: float) -> dict[str, Any]:
-    return {
-        "domain": "time",
-        "low": 0.0,
-        "high": state.values.size * dt,
-        "unit": "s",
-        "ratio": 1.0,
-        "p_value": chance,
-        "sentence": f"{what}, at any time of the recording.",
+        "sentence": said,
     }
 
 

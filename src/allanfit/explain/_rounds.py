@@ -184,13 +184,13 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     finer_edges(state)
 
 
-def _nearer(state: Investigation, course: Course, white: np.ndarray) -> bool:
+def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
     """The frequency of a line again, from what is left of it; whether it is near.
 
     While it was there, the level on which it stood was not well known. A sinusoid whose frequency
     is wrong by d leaves 2 pi d t times its derivative in phase.
     """
-    frequency, old = course.shape["frequency"], course
+    frequency = old.shape["frequency"]
     start, stop = state.longest
     time = np.arange(stop - start)
     angle = 2 * np.pi * frequency * time
@@ -198,7 +198,7 @@ def _nearer(state: Investigation, course: Course, white: np.ndarray) -> bool:
     late = time[:, None] - time.mean()
     cosine, sine = np.linalg.lstsq(np.hstack([basis, late * basis]), white, rcond=None)[0][2:]
     # What whitening makes of its amplitude, which is zero at no frequency near by.
-    place = next(i for i, each in enumerate(state.courses) if each is course)
+    place = next(i for i, each in enumerate(state.courses) if each is old)
     begin = sum(each.template.shape[1] for each in state.courses[:place])
     density = np.interp(frequency, state.left.frequency, level(state.left, state.variance))
     assert state.sized is not None

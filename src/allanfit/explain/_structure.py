@@ -34,7 +34,8 @@ ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, Dr
 #: it, in the sensor's processor.
 FREE_FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
 #: The same, with a droop.
-DROOPING = tuple(f"drooping_{name}" for name in FREE_FILTERS)
+_DROOPING = "drooping_"
+DROOPING = tuple(_DROOPING + name for name in FREE_FILTERS)
 #: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
 RUNNING_MEAN = "running_mean"
 FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN)
@@ -78,7 +79,7 @@ class Kinds(NamedTuple):
     @property
     def angle_filtered(self) -> bool:
         """Whether quantization comes before the filter, as in a converter before a processor."""
-        return self.shaping in ("digital_low_pass", "drooping_digital_low_pass", RUNNING_MEAN)
+        return without_droop(self.shaping or "") in ("digital_low_pass", RUNNING_MEAN)
 
 
 class Data(NamedTuple):
@@ -95,6 +96,11 @@ class Data(NamedTuple):
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
 
 
+def without_droop(shaping: str) -> str:
+    """The filter of the same place that does not droop; anything else as it is."""
+    return shaping.removeprefix(_DROOPING)
+
+
 def droop_of(three: Any) -> Float[Array, "..."]:
     """From -3, a high peak, to 1, a single pole; 0 at 0."""
     return 1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3))
@@ -102,7 +108,7 @@ def droop_of(three: Any) -> Float[Array, "..."]:
 
 def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
     """A filter from its three free parameters, the first of which says how it droops if it does."""
-    kind = shaping.removeprefix("drooping_")
+    kind = without_droop(shaping)
     return LowPass(
         *shape_of(kind, three, samples),
         # A droop of nothing too: one program serves filters that droop and those that do not.
@@ -128,7 +134,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
         RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
-    }[name.removeprefix("drooping_")]
+    }[without_droop(name)]
 
 
 def between(u: Any, low: Any, high: Any) -> Float[Array, "..."]:
