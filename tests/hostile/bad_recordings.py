@@ -124,7 +124,10 @@ BAD = {
     "npz cut off": Bad("a.npz", npz(gyro_x=WORDS)[:-100], "not a complete .npz file"),
     "gzip cut off": Bad("a.csv.gz", gzip.compress(TABLE.encode())[:-9], "not a complete gzip file"),
     # Encodings
-    "utf-16": Bad("a.csv", TABLE.encode("utf-16"), "save it as CSV in UTF-8|saved as CSV in UTF-8"),
+    "utf-16 and then junk": Bad(
+        "a.csv", TABLE.encode("utf-16") + b"\x00\xdc" * 300, "saved as CSV in UTF-8"
+    ),
+    "utf-16 that is junk": Bad("a.csv", b"\xff\xfe" + GARBAGE, "not plain text|no table"),
     "utf-16 without a mark": Bad("a.csv", TABLE.encode("utf-16-le"), "saved as CSV in UTF-8"),
     "nul bytes far below": Bad(
         "a.csv", TABLE.encode() * 30 + b"\0" * 50, "(?i)nul|not plain text|not a number"

@@ -47,6 +47,8 @@ def write(path, columns):
         text = frame.write_csv().encode()
         if path.suffix == ".txt":
             text = text.replace(b"\n", b"\r\n")
+        if path.stem.startswith("wide"):
+            text = text.decode().encode("utf-16")
         path.write_bytes(gzip.compress(text) if path.suffix == ".gz" else text)
     elif path.suffix == ".parquet":
         pl.DataFrame(named).write_parquet(path)
@@ -60,9 +62,12 @@ def write(path, columns):
                 data.attrs["unit"] = "ns" if name == "time" else "deg/s"
 
 
-@pytest.mark.parametrize("ending", ["csv", "txt", "csv.gz", "parquet", "npz", "h5"])
-def test_blocks_hold_what_the_whole_file_holds(ending, columns, tmp_path):
-    path = tmp_path / f"gyro.{ending}"
+@pytest.mark.parametrize(
+    "name",
+    ["a.csv", "a.txt", "a.csv.gz", "wide.csv", "wide.txt", "a.parquet", "a.npz", "a.h5"],
+)
+def test_blocks_hold_what_the_whole_file_holds(name, columns, tmp_path):
+    path = tmp_path / name
     write(path, columns)
     read = []
     blocks = read_in_blocks(path, block_samples=5000, progress=lambda *share: read.append(share))

@@ -28,6 +28,14 @@ def test_the_checksum_is_of_the_samples_alone(archive, noise, write):
     assert changed.checksum != one.checksum
 
 
+def test_a_channel_is_found_in_another_case_where_it_is_the_only_one(archive, noise):
+    path = archive(Gyro_X=noise[:, 0], gyro_y=noise[:, 1], GYRO_Y=noise[:, 2])
+    recording = load(path, channels=["gyro_x", "GYRO_X", "GYRO_Y"])
+    assert [channel.name for channel in recording.channels] == ["Gyro_X", "GYRO_Y"]
+    with pytest.raises(RecordingError, match="no channel Gyro_y; it has Gyro_X, gyro_y, GYRO_Y"):
+        load(path, channels=["Gyro_y"])
+
+
 def test_channels_are_chosen_by_name_in_the_order_asked(archive, noise):
     path = archive(gyro_x=noise[:, 0], gyro_y=noise[:, 1], gyro_z=noise[:, 2])
     recording = load(path, channels=["gyro_z", "gyro_x", "gyro_z"])

@@ -1,5 +1,6 @@
 """Tables in text: columns of numbers below an optional header."""
 
+import codecs
 import gzip
 import io
 import re
@@ -23,6 +24,7 @@ from ._wording import count
 
 # The parser panics on some quotation marks, which is no Exception to Python.
 _PARSER = (pl.exceptions.PolarsError, pl.exceptions.PanicException)
+_Stream = io.BufferedReader | gzip.GzipFile | codecs.StreamRecoder
 _LONGEST_LINE = 1 << 24
 _CHUNK = 1 << 24
 # Integers of more digits lose some as floats; time stamps in ns since 1970 have 19.
@@ -49,8 +51,9 @@ def csv_blocks(path: Path, samples: int) -> Iterator[Block]:
         while not ended:
             text = stream.read(length)
             ended = not text
-            if text.endswith(b"\r"):
-                text += stream.read(1)
+            # Two bytes are a character in UTF-16.
+            while text.endswith(b"\r") and (more := stream.read(2)):
+                text += more
             text = rest + text
             text = (_begun if layout is None else _plain)(path.name, text)
             # Two lines wait for what comes after them: only the very last may be short, and it
@@ -129,8 +132,18 @@ def _about_text(name: str, first: str, clock: TextClock | None) -> tuple[str, ..
 
 
 @contextmanager
-def _unpacked(path: Path, file: io.BufferedIOBase) -> Iterator[io.BufferedIOBase]:
-    """What is in the file, unzipped where it is a .gz."""
+def _unpacked(path: Path, file: io.BufferedReader) -> Iterator[_Stream]:
+    """What is in the file, unzipped where it is a .gz, and in UTF-8 where a mark says UTF-16."""
+    with _unzipped(path, file) as stream:
+        marked = stream.peek(2)[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+        try:
+            yield codecs.EncodedFile(stream, "utf-8", "utf-16") if marked else stream
+        except UnicodeError as error:
+            raise _not_plain(path.name) from error
+
+
+@contextmanager
+def _unzipped(path: Path, file: io.BufferedReader) -> Iterator[io.BufferedReader | gzip.GzipFile]:
     if path.suffix != ".gz":
         yield file
         return
@@ -143,7 +156,7 @@ def _unpacked(path: Path, file: io.BufferedIOBase) -> Iterator[io.BufferedIOBase
         ) from error
 
 
-def _whole(path: Path, stream: io.BufferedIOBase) -> bytes:
+def _whole(path: Path, stream: _Stream) -> bytes:
     text = io.BytesIO()
     while chunk := stream.read(_CHUNK):
         text.write(chunk)
@@ -163,12 +176,16 @@ def _begun(file: str, text: bytes) -> bytes:
 def _plain(file: str, text: bytes) -> bytes:
     """The text with line feeds alone at the ends of its lines."""
     if b"\0" in text:
-        raise RecordingError(
-            f"{file} is not plain text: a spreadsheet has to be saved as CSV in UTF-8."
-        )
+        raise _not_plain(file)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return text
+
+
+def _not_plain(file: str) -> RecordingError:
+    return RecordingError(
+        f"{file} is not plain text: a spreadsheet has to be saved as CSV in UTF-8."
+    )
 
 
 def _body(text: bytes, layout: Layout) -> bytes:

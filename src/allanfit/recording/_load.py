@@ -149,12 +149,17 @@ def _asked(
             there = f": it holds {', '.join(names)}, which --channel can ask for" if names else ""
             raise RecordingError(f"{path.name} has no inertial channel{there}.")
         return chosen
-    for name in channels:
-        if name not in names:
-            raise RecordingError(
-                f"{path.name} has no channel {name}; it has {', '.join(names) or 'none'}."
-            )
-    return list(dict.fromkeys(channels))
+    return list(dict.fromkeys(_called(path, name, names) for name in channels))
+
+
+def _called(path: Path, name: str, names: list[str]) -> str:
+    """The channel of that name, or the only one that differs from it in case alone."""
+    alike = [each for each in names if each.casefold() == name.casefold()]
+    if name in names:
+        return name
+    if len(alike) == 1:
+        return alike[0]
+    raise RecordingError(f"{path.name} has no channel {name}; it has {', '.join(names) or 'none'}.")
 
 
 def check_lengths(path: Path, table: Table, names: list[str]) -> None:
