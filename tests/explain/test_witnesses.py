@@ -52,6 +52,31 @@ def test_spikes_are_counted_and_sized(white):
     assert found.sigma == pytest.approx(1.0, abs=0.02)
 
 
+def test_light_tails_of_a_rounded_angle_hide_no_spikes():
+    """The error of a rounded angle is uniform: taken as normal, it makes spikes few and large."""
+    rng, samples = np.random.default_rng(6), 2**18
+    angle = 12**0.5 * rng.uniform(-0.5, 0.5, samples + 1)
+    record = np.diff(angle) + rng.standard_normal(samples)
+    frequency = np.fft.rfftfreq(samples)
+    density = 1 + 4 * np.sin(np.pi * frequency) ** 2
+    height = np.mean(density**-0.5)
+    spikes = (rng.random(samples) < 1e-3) * 3 / height * rng.standard_normal(samples)
+    white = np.fft.irfft(np.fft.rfft(record + spikes) / density**0.5)
+    calm = np.fft.irfft(np.fft.rfft(record) / density**0.5)
+    # What is uniform in the whitened record, from its fourth cumulant.
+    box = (7.5 * (3 - np.mean(calm**4) / np.var(calm) ** 2)) ** 0.25
+    assert contamination(calm, 0, box).p_value > 1e-3
+    found = contamination(white, 0, box)
+    low, high = np.quantile(found.draws, [0.001, 0.999], axis=0)
+    assert found.box == box
+    assert low[0] < 1e-3 < high[0]
+    assert low[1] < 3 < high[1]
+    # The peaks only: a fifth of the energy is beside them, which counts as fainter spikes.
+    normal = contamination(white, 0)
+    assert normal.gain < found.gain
+    assert normal.fraction < 0.7 * found.fraction
+
+
 def test_loud_times_are_found_within_a_window(white):
     loud = np.ones(SAMPLES)
     loud[10_000:16_000] = 1.5

@@ -8,7 +8,7 @@ import pytest
 import allanfit
 from allanfit.curves import cosine_coefficients, design, mode_variances, slow_part
 from allanfit.temperature import temperature_sensitivity
-from allanfit.temperature._band import error_power, highest_mode
+from allanfit.temperature._band import believable, error_power, highest_mode
 from allanfit.temperature._regression import Modes, effects, explained, regress, share_of_ramp
 from allanfit.temperature._removal import remove
 
@@ -153,6 +153,18 @@ def test_the_band_ends_where_the_thermometer_is_lost_in_noise():
     white = 0.1 * rng.normal(size=SAMPLES)
     assert error_power([white]) == pytest.approx(0.01, rel=0.1)
     assert error_power([np.repeat(white, 5)]) == pytest.approx(0.05, rel=0.1)
+
+
+def test_a_thermometer_is_believed_as_far_as_it_is_clear_of_its_noise():
+    """Some three times nearer to the truth, and no noise that would make a sensitivity small."""
+    read = WARM_UP + 0.05 * np.random.default_rng(1).normal(size=SAMPLES)
+    stretches = ((0, 1000), (1200, SAMPLES))
+    inside = np.r_[:1000, 1200:SAMPLES]
+    found = believable(read, stretches)[inside]
+    assert np.std(found - WARM_UP[inside] + WARM_UP[inside].mean()) < 0.02
+    # A line and its noise stay as they are.
+    line = 25 + 1e-3 * TIME
+    np.testing.assert_allclose(believable(line, ((0, SAMPLES),)), line - line.mean(), atol=1e-12)
 
 
 def test_the_regression_is_generalised_least_squares():

@@ -198,14 +198,10 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
 def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     if state.sized is None:
         return []
-    found, column, steps = [], 0, []
-    for course in state.courses:
-        count = course.template.shape[1]
-        part = slice(column, column + count)
-        column += count
-        sizes = rng.multivariate_normal(
-            state.sized.sizes[part], state.sized.covariance[part, part], 2000, method="svd"
-        )
+    found, steps, felt = [], [], []
+    drawn = rng.multivariate_normal(state.sized.sizes, state.sized.covariance, 2000, method="svd")
+    ends = np.cumsum([course.sizes for course in state.courses])
+    for course, sizes in zip(state.courses, np.split(drawn, ends[:-1], axis=1), strict=True):
         own, others = _probabilities(state.finding(course.name), course.name)
         if course.name == "step":
             steps.append((course.shape["time"] * dt, sizes[:, 0], own, others))
@@ -217,9 +213,19 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
         elif course.name == "sinusoid":
             found.append(_sinusoid(course, sizes, own, others, dt, rng))
         elif course.name == "temperature":
-            found.append(Effect("temperature", own, others, {"sensitivity": sizes[:, 0]}))
+            felt.append(sizes[:, 0])
+        elif course.name == "vibration_rectification":
+            # Per unit of a vibration that is itself known roughly.
+            assert state.modulation is not None
+            added = rng.choice(state.modulation.draws, len(sizes)) ** 2 - 1
+            coefficient = sizes[:, 0] * (state.modulation.ratio**2 - 1) / added
+            found.append(Effect(course.name, own, others, {"coefficient": coefficient}))
         else:
             found.append(Effect(course.name, own, others, {"coefficient": sizes[:, 0]}))
+    if felt:
+        # Felt late by several thermal masses, slow changes by all of them.
+        own, others = _probabilities(state.finding("temperature"), "temperature")
+        found.append(Effect("temperature", own, others, {"sensitivity": np.sum(felt, axis=0)}))
     if steps:
         heights = np.array([np.median(size) for _, size, _, _ in steps])
         sign = np.sign(heights.sum()) or 1.0

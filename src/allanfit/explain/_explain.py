@@ -16,7 +16,7 @@ from ..identify._goodness import goodness_of_fit
 from ..identify._recording_fit import channel_header, coefficients_document, recording_document
 from ..physics import EFFECTS, Sampling, parameter_unit
 from ..recording import Channel, Recording
-from ..temperature import beside
+from ..temperature import believable, beside
 from ._after import fit_after
 from ._compare import Reference, compared, references
 from ._curves import explained_curves
@@ -264,7 +264,7 @@ def _explain_channel(
     drivers = {}
     thermometer = beside(channel, recording)
     if thermometer is not None and np.ptp(thermometer.samples) > 0:
-        felt = np.nan_to_num(thermometer.samples - np.nanmean(thermometer.samples))
+        felt = believable(thermometer.samples, channel.stretches)
         drivers["temperature"] = felt[:, None]
     state = investigate(
         channel.samples,

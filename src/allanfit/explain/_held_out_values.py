@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.stats import norm
 
-from ._spread import PULLED_IN, contamination, log_mixture, modulation
+from ._spread import PULLED_IN, body_density, contamination, log_mixture, modulation
 
 # Within this part of a code's width a value lies on a code.
 _ON_CODE = 0.02
@@ -60,12 +60,13 @@ def of_rails(values: Float[np.ndarray, " samples"], rails: tuple[float, ...]) ->
     return of_events(np.isin(values, rails), float(beyond))
 
 
-def of_spikes(white: Float[np.ndarray, " samples"], seed: int) -> Gain:
-    """Spikes in whitened samples, against one normal distribution."""
+def of_spikes(white: Float[np.ndarray, " samples"], box: float, seed: int) -> Gain:
+    """Spikes in whitened samples, against one distribution, of which `box` is uniform."""
 
     def differences(known: slice, scored: slice):
-        found = contamination(white[known], seed)
-        plain = norm.logpdf(white[scored], scale=white[known].std())
+        found = contamination(white[known], seed, box)
+        width = white[known].std()
+        plain = np.log(np.maximum(body_density(white[scored] / width, found.box), 1e-300) / width)
         return log_mixture(found, white[scored]) - plain
 
     return _crossed(white.size, differences)

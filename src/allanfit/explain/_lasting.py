@@ -2,6 +2,7 @@
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.fft import irfft
 
 from . import _means, _search
 from ._bursts import Burst, bursts
@@ -32,6 +33,9 @@ _MOST_STEPS = 8
 _RARE = 0.05
 # As far as a scan for a step in white noise goes.
 _STEP_PATH = 100.0
+# Samples of the whitening kernel, and nearly the half-width of a uniform distribution.
+_KERNEL = 4096
+_WIDEST = 1.65
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 # And where so many samples have them, they are the noise itself, which has long tails.
@@ -85,7 +89,9 @@ def about_spread(state: Investigation, seed: int) -> bool:
             return about_spread(state, seed)
         _knock(state, piece, knocked, white, seed)
         return True
-    spiky = contamination(even, seed)
+    mean = level(state.left, state.variance)
+    box = _uniform_part(state, mean)
+    spiky = contamination(even, seed, box)
     state.witnesses.append(
         {
             "name": "outliers",
@@ -95,7 +101,6 @@ def about_spread(state: Investigation, seed: int) -> bool:
         }
     )
     # How tall a spike of one unit is in the whitened record.
-    mean = level(state.left, state.variance)
     height = float(np.mean(1 / np.sqrt(mean / 2)))
     if loud:
         added = _loud_variance(state, piece, changing)
@@ -123,7 +128,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
                 state.contamination,
             )
         )
-        state.gains["outliers"] = of_spikes(even, seed)
+        state.gains["outliers"] = of_spikes(even, box, seed)
         clear = np.abs(even) > spiky.threshold
         if clear.mean() < _RARE:
             wrong = _excise(state, piece, even, spiky, clear)
@@ -214,6 +219,23 @@ def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modul
     data = state.data._replace(bins=bins, samples=float(spectrum.longest), foreign=0.0, repeat=1.0)
     alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
     return float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1]))
+
+
+def _uniform_part(state: Investigation, mean: Float[np.ndarray, " ordinates"]) -> float:
+    """Half-width of what is uniform in a whitened sample, in standard deviations.
+
+    The error of an angle that is rounded is uniform, and a whitened sample holds several of them.
+    One alone stands for them, with the fourth cumulant of their sum: -2/15 of its fourth power,
+    where each has -6/5 of its squared variance.
+    """
+    if state.model.kinds.shaping is not None:
+        return 0.0
+    frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
+    density = np.interp(frequency, state.left.frequency, mean / 2)
+    difference = 1 - np.exp(-2j * np.pi * frequency)
+    kernel = np.asarray(irfft(difference / np.sqrt(density), _KERNEL))
+    variance = float(np.exp(state.model.theta[0]))
+    return min((9 * variance**2 * float(np.sum(kernel**4))) ** 0.25, _WIDEST)
 
 
 def _in_units(found: Contamination, height: float) -> Contamination:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.fft import dct
 from scipy.signal import lfilter
 
@@ -22,6 +22,8 @@ from ._structure import Data
 
 # Courses are looked for in means over at most this many blocks of the record.
 _BLOCKS = 4096
+# And where a step is placed exactly.
+_FINE_BLOCKS = 65536
 _SHORTLIST = 3
 # Log of the chance of a scan's maximum below which a course is fitted at all.
 _WORTH = float(np.log(0.3))
@@ -154,13 +156,7 @@ def propose(
     """
     start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
     length = stop - start
-    block = max(1, length // _BLOCKS)
-    count = length // block
-    means = values[start : start + count * block].reshape(count, block).mean(axis=1)
-    orders = np.arange(1, max(count // 2, 2))
-    scale = np.sqrt(block)
-    amplitude = scale * np.asarray(dct(means - means.mean(), norm="ortho"))[orders]
-    frequency = orders / (2 * length)
+    blocks = _blocks(values[start:stop])
     flat = ordinate_variance(spectrum, model, data)
     calm = model._replace(
         theta=np.where(np.arange(model.theta.size) == 3, model.theta - 4.0, model.theta)
@@ -168,17 +164,45 @@ def propose(
     found: list[Course] = []
     # How far a scan goes is a matter of the noise that is believed in.
     paths: dict[str, float] = {}
-    time = (np.arange(count) + 0.5) * block
-    ramp = scale * np.asarray(dct(time - time.mean(), norm="ortho"))[orders]
+    time = blocks.time
     for variance in (flat, ordinate_variance(spectrum, calm, data)):
-        weight = np.interp(frequency, spectrum.frequency, variance) / 2
-        scan = _Scan(amplitude, ramp, weight, scale, orders)
+        scan = blocks.scan(spectrum, variance)
         found += _oscillations(scan, time, length, start, samples)
         found += _warm_ups(scan, time, length, start, samples, paths)
-        found += _steps(scan, orders, count, block, start, samples, paths)
+        found += _steps(scan, time.size, blocks.size, start, samples, paths)
     for name, columns in drivers.items():
         found += _driven(name, columns, samples)
     return found
+
+
+class _Blocks(NamedTuple):
+    """Means over blocks of a stretch."""
+
+    means: Float[np.ndarray, " blocks"]
+    #: Samples in each.
+    size: int
+
+    @property
+    def time(self) -> Float[np.ndarray, " blocks"]:
+        """The middles of the blocks, in samples of the stretch."""
+        return (np.arange(self.means.size) + 0.5) * self.size
+
+    def scan(self, spectrum: Ordinates, variance: Float[np.ndarray, " ordinates"]) -> "_Scan":
+        """A scan in noise that gives the ordinates of the record this variance."""
+        scale, count = np.sqrt(self.size), self.means.size
+        orders = np.arange(1, max(count // 2, 2))
+        weight = np.interp(orders / (2 * count * self.size), spectrum.frequency, variance) / 2
+
+        def moved(column: Float[np.ndarray, " blocks"]) -> Float[np.ndarray, " orders"]:
+            return scale * np.asarray(dct(column - column.mean(), norm="ortho"))[orders]
+
+        return _Scan(moved(self.means), moved(self.time), weight, scale, orders)
+
+
+def _blocks(values: Float[np.ndarray, " samples"], most: int = _BLOCKS) -> _Blocks:
+    size = max(1, values.size // most)
+    count = values.size // size
+    return _Blocks(values[: count * size].reshape(count, size).mean(axis=1), size)
 
 
 class _Scan(NamedTuple):
@@ -252,9 +276,9 @@ def warm_up(constant: float, start: int, samples: int) -> Course:
     return Course("warm_up", np.exp(-time / constant)[:, None], {"time_constant": constant})
 
 
-def _steps(scan: _Scan, orders, count, block, start, samples, paths) -> list[Course]:
+def _steps(scan: _Scan, count, block, start, samples, paths) -> list[Course]:
     # The cosine coefficients of a step at g blocks are a sine of g: all positions at once.
-    at = np.arange(1, 1024) / 1024
+    orders, at = scan.orders, np.arange(1, 1024) / 1024
     sine = np.sin(np.pi * orders[:, None] * at)
     half = 2 * np.sin(np.pi * orders / (2 * count))
     unit = -np.sqrt(2 / count) * scan.scale / half
@@ -287,17 +311,51 @@ def step(time: int, samples: int) -> Course:
 def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: int) -> list[Course]:
     if name != "temperature":
         return [Course(name, columns, {})]
-    courses = []
-    for lag in _LAGS:
-        constant = lag * samples
-        late = columns[:, 0]
-        if constant > 1:
-            share = 1 - np.exp(-1 / constant)
-            late = lfilter([share], [1, share - 1], late - late[0]) + late[0]
-        late = late - late.mean()
-        columns = np.column_stack([late, late**2])
-        courses.append(Course(name, columns, {"lag": constant}, places=float(len(_LAGS))))
-    return courses
+    felt = columns[:, 0]
+    return [late(felt, lag * samples)._replace(places=float(len(_LAGS))) for lag in _LAGS]
+
+
+def late(felt: Float[np.ndarray, " samples"], lag: float) -> Course:
+    """A temperature and its square, which a sensor feels through one thermal mass, `lag` behind."""
+    if lag > 1:
+        share = 1 - np.exp(-1 / lag)
+        felt = lfilter([share], [1, share - 1], felt - felt[0]) + felt[0]
+    felt = felt - felt.mean()
+    return Course("temperature", np.column_stack([felt, felt**2]), {"lag": lag})
+
+
+def sharpened(
+    loud: Bool[np.ndarray, " samples"],
+    reach: int,
+    values: Float[np.ndarray, " samples"],
+    spectrum: Ordinates,
+    variance: Float[np.ndarray, " ordinates"],
+) -> Bool[np.ndarray, " samples"]:
+    """Loud times of a stretch with edges where a shift of the mean beside them explains most.
+
+    Each edge is moved by `reach` samples at most. Noise that grows with time makes edges all that
+    is known of a shift, and a shift that begins elsewhere is found too small.
+    """
+    edges = np.flatnonzero(np.diff(loud)) + 1.0
+    coarse, fine = _blocks(values, _BLOCKS), _blocks(values, _FINE_BLOCKS)
+    # Every place first, then ever closer ones.
+    every = np.arange(-reach, reach + 1, coarse.size)
+    halves = coarse.size / 2.0 ** np.arange(max(np.log2(coarse.size / fine.size), 0) + 1)
+    closer = [half * np.array([-1, 0, 1]) for half in halves]
+    for blocks, rounds in ((coarse, [every, every]), (fine, closer)):
+        scan, time = blocks.scan(spectrum, variance), blocks.time
+
+        def gain(at: Float[np.ndarray, " edges"], scan: _Scan = scan, time=time) -> float:
+            within = (np.searchsorted(at, time) % 2 == 1) != loud[0]
+            return scan.gain(within[:, None].astype(float))
+
+        for moves in rounds:
+            for i in range(edges.size):
+                tried = np.where(np.arange(edges.size) == i, edges + moves[:, None], edges)
+                # Edges that change places would swap what is loud.
+                tried = tried[np.all(np.diff(tried) > 0, axis=1)]
+                edges = max(tried, key=gain)
+    return (np.searchsorted(edges, np.arange(loud.size) + 0.5) % 2 == 1) != loud[0]
 
 
 def _tops(

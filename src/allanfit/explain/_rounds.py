@@ -7,6 +7,7 @@ import numpy as np
 
 from . import _means, _search
 from ._chance import course_score, log_chance, score
+from ._lasting import loudness
 from ._lines import Peak, Sine, line_log_chance, refine, scan
 from ._means import Course
 from ._search import Candidate, rarity
@@ -264,14 +265,15 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
             log_p: float = log_p,
             gain: float = gain,
         ) -> None:
-            add_course(state, _refined(state, course), Finding(course.name, log_p, gain, rivals))
+            refined = _refined(state, course, drivers)
+            add_course(state, refined, Finding(course.name, log_p, gain, rivals))
 
         worth = course_score(gain, course.sizes, course.places, course.length)
         options.append(Option(course.name, log_p, gain, worth, take))
     return options
 
 
-def _refined(state: Investigation, course: Course) -> Course:
+def _refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Course:
     """The course at its best place in time."""
     start, stop = state.longest
     length, samples = stop - start, state.values.size
@@ -305,4 +307,22 @@ def _refined(state: Investigation, course: Course) -> Course:
         density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
         spread = np.sqrt(12 * density / (amplitude**2 * float(length) ** 3)) / (2 * np.pi)
         course.shape["deviation"] = float(spread)
+    if course.name == "temperature" and course.shape["lag"] > 0:
+        felt, lag = drivers["temperature"][:, 0], course.shape["lag"]
+        return _means.polish(course, lambda c: _means.late(felt, c), lag, lag / 2, gain)
+    if course.name == "vibration_rectification":
+        return _at_its_edges(state, course)
     return course
+
+
+def _at_its_edges(state: Investigation, course: Course) -> Course:
+    """A shift that begins and ends where the mean says; so, then, do the loud times."""
+    changing, (start, stop) = state.modulation, state.longest
+    assert changing is not None
+    sized = with_course(state, course)
+    variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
+    loud = _means.sharpened(
+        changing.loud, changing.window, state.values[start:stop], sized.left, variance
+    )
+    state.modulation = changing._replace(loud=loud)
+    return course._replace(template=loudness(state))

@@ -9,11 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.optimize import minimize
-from scipy.stats import chi2, norm
+from scipy.optimize import minimize, minimize_scalar
+from scipy.special import ndtr
+from scipy.stats import chi2
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
 PULLED_IN = 4.0
+# A uniform part narrower than this changes no tail.
+_FLAT = 0.3
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
 # Samples apart up to which the whitened record may be correlated.
@@ -33,6 +36,8 @@ class Contamination(NamedTuple):
     amplitude: float
     sigma: float
     heavy: bool
+    #: Half-width of what is uniform in values without spikes, in their standard deviations.
+    box: float
     #: Beyond this a sample is more likely a spike than not.
     threshold: float
     #: Draws of (fraction, amplitude, sigma), shape (draws, 3).
@@ -55,11 +60,15 @@ class Modulation(NamedTuple):
     p_value: float
 
 
-def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamination:
-    """Spikes among normal values, by maximum likelihood on their histogram.
+def contamination(
+    values: Float[np.ndarray, " samples"], seed: int, box: float = 0.0
+) -> Contamination:
+    """Spikes among other values, by maximum likelihood on their histogram.
 
     Most of what is said of spikes comes from the tails: the body is summed in narrow bins, so that
-    a million samples cost no more than a thousand.
+    a million samples cost no more than a thousand. The body is normal, or a normal and a uniform
+    distribution of half-width `box` (in standard deviations of the sum) together, whichever is
+    likelier: tails that are lighter than a normal one's would hide spikes.
     """
     sigma = float(np.std(values))
     middle = 1.4826 * float(np.median(np.abs(values)))
@@ -71,38 +80,42 @@ def contamination(values: Float[np.ndarray, " samples"], seed: int) -> Contamina
     points = np.concatenate([centres, tail])
     weights = np.concatenate([body[:-1], np.ones(tail.size)])
 
-    def densities(parameters: Float[np.ndarray, " three"], heavy: bool, at):
-        return _densities(_free(parameters), heavy, at)
-
-    def negative(parameters: Float[np.ndarray, " three"], heavy: bool) -> float:
-        mixture = sum(densities(parameters, heavy, points))
+    def negative(three: Float[np.ndarray, " three"], heavy: bool, box: float) -> float:
+        mixture = sum(_densities(_free(three), heavy, box, points))
         return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
 
-    # The same histogram under one normal distribution of its own best width.
+    def alone(width: float, box: float) -> float:
+        return -float(
+            weights @ np.log(np.maximum(body_density(points / width, box), 1e-300) / width)
+        )
+
+    # The same histogram under one distribution of its own best width.
     width = np.sqrt(weights @ points**2 / weights.sum())
-    plain = -float(weights @ norm.logpdf(points, scale=width))
-    best, heavy = None, False
-    for spread in (False, True):
-        for fraction, spike in ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0)):
-            start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
-            found = minimize(
-                negative, start, (spread,), method="Nelder-Mead", options={"maxiter": 600}
-            )
-            # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
-            if best is None or found.fun < best.fun - 2.0 * (spread and not heavy):
-                best, heavy = found, spread
+    plain, best, shape = np.inf, None, (False, 0.0)
+    for light in (0.0, box)[: 1 + (box > _FLAT)]:
+        fit = minimize_scalar(alone, bounds=(0.8 * width, 1.1 * width), args=(light,))
+        plain = min(plain, float(fit.fun))  # pyright: ignore[reportAttributeAccessIssue]
+        for spread in (False, True):
+            for fraction, spike in ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0)):
+                start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
+                found = minimize(
+                    negative, start, (spread, light), "Nelder-Mead", options={"maxiter": 600}
+                )
+                # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
+                if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
+                    best, shape = found, (spread, light)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
-    draws = _draws(lambda x: negative(x, heavy), best.x, seed)
+    draws = _draws(lambda x: negative(x, *shape), best.x, seed)
     fractions = 1 / (1 + np.exp(-draws[:, 0]))
     found = np.stack([fractions, np.exp(draws[:, 1]), np.exp(draws[:, 2])], axis=1)
     value = _free(best.x)
     grid = np.linspace(2, 12, 2001) * value[2]
-    body, spikes = densities(best.x, heavy, grid)
-    threshold = float(grid[np.argmax(spikes > body)]) if np.any(spikes > body) else np.inf
+    usual, spikes = _densities(value, *shape, grid)
+    threshold = float(grid[np.argmax(spikes > usual)]) if np.any(spikes > usual) else np.inf
     # Fraction and size are free only where there are spikes.
     chance = float(chi2.sf(gain, 2))
-    return Contamination(*value, heavy, threshold, found, gain if sigma else 0.0, chance)
+    return Contamination(*value, *shape, threshold, found, gain if sigma else 0.0, chance)
 
 
 def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]:
@@ -111,12 +124,22 @@ def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]
     return float(fraction), float(np.exp(parameters[1])), float(np.exp(parameters[2]))
 
 
-def _densities(three: tuple[float, float, float], heavy: bool, at: Float[np.ndarray, " values"]):
+def _densities(
+    three: tuple[float, float, float], heavy: bool, box: float, at: Float[np.ndarray, " values"]
+):
     """Densities of the body and of the spikes of a mixture."""
     fraction, size, core = three
     wide = np.hypot(core, size)
     spike = _student(at / wide) if heavy else _normal(at / wide)
-    return (1 - fraction) * _normal(at / core) / core, fraction * spike / wide
+    return (1 - fraction) * body_density(at / core, box) / core, fraction * spike / wide
+
+
+def body_density(x: Float[np.ndarray, " values"], box: float) -> Float[np.ndarray, " values"]:
+    """Of a uniform value within `box` and a normal one together, of variance 1."""
+    if box <= _FLAT:
+        return _normal(x)
+    rest, x = np.sqrt(1 - box**2 / 3), np.abs(x)
+    return (ndtr((box - x) / rest) - ndtr((-box - x) / rest)) / (2 * box)
 
 
 # Written out: SciPy's take five times as long, mostly to look at their arguments.
@@ -134,7 +157,7 @@ def log_mixture(
 ) -> Float[np.ndarray, " values"]:
     """Log density of a mixture."""
     three = found.fraction, found.amplitude, found.sigma
-    return np.log(np.maximum(sum(_densities(three, found.heavy, at)), 1e-300))
+    return np.log(np.maximum(sum(_densities(three, found.heavy, found.box, at)), 1e-300))
 
 
 def _draws(negative, at: Float[np.ndarray, " k"], seed: int) -> Float[np.ndarray, "draws k"]:

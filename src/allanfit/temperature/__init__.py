@@ -3,6 +3,7 @@
 Start with `temperature_sensitivity`.
 """
 
+from ._band import believable as believable
 from ._channel import ChannelTemperature as ChannelTemperature
 from ._channel import Treatment as Treatment
 from ._channel import beside as beside

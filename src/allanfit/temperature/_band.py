@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
-from scipy.fft import dct
+from scipy.fft import dct, idct
 
 from ..curves._spectrum import RampProjection
 
@@ -59,6 +59,27 @@ def highest_mode(stretches: Sequence[Float[np.ndarray, " _"]]) -> int:
         ):
             believed = top
     return believed
+
+
+def believable(
+    temperature: Float[np.ndarray, " samples"], stretches: Sequence[tuple[int, int]]
+) -> Float[np.ndarray, " samples"]:
+    """The changes of a temperature that can be believed: as slow as `highest_mode` says.
+
+    Their mean is taken out, and between the stretches they are interpolated. Where a temperature
+    is a straight line and errors it stays as it is.
+    """
+    parts = [temperature[start:stop] for start, stop in stretches]
+    top, longest = highest_mode(parts), max(part.size for part in parts)
+    mean = float(np.mean(np.concatenate(parts)))
+    slow = []
+    for part in parts:
+        coefficients = np.asarray(dct(part - mean, norm="ortho"))
+        if top:
+            coefficients[top * part.size // longest + 1 :] = 0.0
+        slow.append(np.asarray(idct(coefficients, norm="ortho")))
+    inside = np.concatenate([np.arange(start, stop) for start, stop in stretches])
+    return np.interp(np.arange(temperature.size), inside, np.concatenate(slow))
 
 
 def error_power(stretches: Sequence[Float[np.ndarray, " _"]]) -> float:
