@@ -13,11 +13,14 @@ from jaxtyping import Array, Float, Int
 from ._cluster_sizes import cluster_sizes as default_cluster_sizes
 from ._input import as_series
 
-# Differences in one block: three of them and their sum fill half of a core's first cache.
-_BLOCK = 2048
-# Blocks in a tile, which fills half of a core's second cache.
-_TILE = 64
-_ROW = 64
+# Sums in one row, and rows of differences that are added before they go there: what is read for
+# them fills a core's first cache.
+_BLOCK, _ROWS = 1024, 4
+_STEP = _BLOCK * _ROWS
+# Steps in a tile, which fills half of a core's second cache.
+_TILE = 32
+# A triangle of ones this wide costs as much to multiply by as its products to read.
+_TRIANGLE = 32
 
 
 def allan_variance(
@@ -94,31 +97,35 @@ def overlapping_sums(
     samples = x.shape[0]
     prefixes = _prefix_sums(x)
     positions = samples - 2 * sizes + 1
-    whole = positions // _BLOCK
+    whole = positions // _STEP
 
-    def squares(block: Int[Array, ""], n: Int[Array, ""]) -> Float[Array, " block"]:
-        return _difference(prefixes, block * _BLOCK, n, _BLOCK) ** 2
+    def squares(step: Int[Array, ""], n: Int[Array, ""]) -> Float[Array, " block"]:
+        starts = [step * _STEP + row * _BLOCK for row in range(_ROWS)]
+        total = jnp.zeros(_BLOCK, x.dtype)
+        for start in starts:
+            total += _difference(prefixes, start, n, _BLOCK) ** 2
+        return total
 
     def one_tile(tile: Int[Array, ""], sums: Float[Array, "sizes block"]):
         first = tile * _TILE
 
         def one_size(i: Int[Array, ""], sums: Float[Array, "sizes block"]):
             n, last = sizes[i], jnp.minimum(first + _TILE, whole[i])
-            row = jax.lax.fori_loop(
-                first, last, lambda block, row: row + squares(block, n), sums[i]
-            )
+            row = jax.lax.fori_loop(first, last, lambda step, row: row + squares(step, n), sums[i])
             return sums.at[i].set(row)
 
         return jax.lax.fori_loop(0, sizes.shape[0], one_size, sums)
 
-    tiles = samples // (_TILE * _BLOCK) + 1
+    tiles = samples // (_TILE * _STEP) + 1
     sums = jnp.zeros((sizes.shape[0], _BLOCK), x.dtype)
     sums = jax.lax.fori_loop(0, tiles, one_tile, sums)
-    place = jnp.arange(_BLOCK)
+    place = jnp.arange(_STEP)
 
     def with_rest(i: Int[Array, ""]) -> Float[Array, ""]:
-        rest = jnp.where(place < positions[i] - whole[i] * _BLOCK, squares(whole[i], sizes[i]), 0.0)
-        return jnp.sum(sums[i] + rest)
+        rest = _difference(prefixes, whole[i] * _STEP, sizes[i], _STEP) ** 2
+        return jnp.sum(sums[i]) + jnp.sum(
+            jnp.where(place < positions[i] - whole[i] * _STEP, rest, 0.0)
+        )
 
     return jax.lax.map(with_rest, jnp.arange(sizes.shape[0])) / (2 * sizes.astype(x.dtype) ** 2)
 
@@ -163,18 +170,17 @@ def _difference(
 
 
 def _prefix_sums(
-    x: Float[Array, " samples"], beyond: int = _BLOCK
+    x: Float[Array, " samples"], beyond: int = _STEP
 ) -> tuple[Float[Array, " padded"], ...]:
-    """Running sums of the samples less their mean, and zeros so that every slice stays inside.
+    """Running sums of the samples less their mean, longer so that every slice stays inside.
 
     In float64 one sum suffices: without its mean, a record grows slowly. In float32 the sum is
     carried as an unevaluated pair (Dekker 1971), because the differences that we want can be a
     million times smaller than the sum itself.
     """
-    centred = x - jnp.mean(x)
-    pad = (1, beyond)
+    padded = jnp.pad(x - jnp.mean(x), (1, beyond))
     if x.dtype == jnp.float64:
-        return (jnp.pad(_running_sum(centred), pad),)
+        return (_running_sum(padded),)
 
     def add(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
         total = a[0] + b[0]
@@ -183,15 +189,14 @@ def _prefix_sums(
         high = total + error
         return high, error - (high - total)
 
-    high, low = jax.lax.associative_scan(add, (centred, jnp.zeros_like(centred)))
-    return jnp.pad(high, pad), jnp.pad(low, pad)
+    return jax.lax.associative_scan(add, (padded, jnp.zeros_like(padded)))
 
 
 def _running_sum(x: Float[Array, " samples"]) -> Float[Array, " samples"]:
     """The cumulative sum by products with a triangle of ones, which compilers do well."""
-    rows = -(-x.shape[0] // _ROW)
-    table = jnp.pad(x, (0, rows * _ROW - x.shape[0])).reshape(rows, _ROW)
-    within = table @ jnp.triu(jnp.ones((_ROW, _ROW), x.dtype))
+    rows = -(-x.shape[0] // _TRIANGLE)
+    table = jnp.pad(x, (0, rows * _TRIANGLE - x.shape[0])).reshape(rows, _TRIANGLE)
+    within = table @ jnp.triu(jnp.ones((_TRIANGLE, _TRIANGLE), x.dtype))
     before = jnp.cumsum(within[:, -1]) - within[:, -1]
     return (within + before[:, None]).reshape(-1)[: x.shape[0]]
 
