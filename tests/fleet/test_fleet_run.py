@@ -2,6 +2,7 @@
 
 import hashlib
 
+import distributed
 import numpy as np
 import pandas
 import polars
@@ -10,7 +11,7 @@ import pytest
 from fleet_recordings import write_recording
 
 import allanfit
-from allanfit.fleet import FleetError, Options, run_fleet
+from allanfit.fleet import FleetError, Options, _run, _task, run_fleet
 
 
 def parts(output):
@@ -49,6 +50,28 @@ def test_the_dataset_holds_what_fit_tells(recordings, tmp_path, scheduler):
     assert row["file_sha256"] == hashlib.sha256(recordings[0].read_bytes()).hexdigest()
     assert (row["allanfit_version"], row["status"]) == (allanfit.__version__, "converged")
     assert row["p_value"] == pytest.approx(float(fit.goodness_of_fit), rel=1e-6)
+
+
+def test_that_no_worker_is_there_is_said_once_and_waited_out(recordings, tmp_path, monkeypatch):
+    monkeypatch.setattr(_run, "_PATIENCE_S", 0.2)
+    monkeypatch.setattr(_task, "configure_program", lambda: None)
+    told = []
+    with distributed.LocalCluster(
+        n_workers=0, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0"
+    ) as cluster:
+
+        def waiting(sentence):
+            told.append(sentence)
+            # Once more as long, in which it is not said again.
+            cluster.loop.call_later(0.5, cluster.scale, 1)
+
+        output = tmp_path / "fleet"
+        run = run_fleet(
+            recordings[:1], output, scheduler=cluster.scheduler_address, waiting=waiting
+        )
+    assert run.analysed == 1
+    (sentence,) = told
+    assert sentence.startswith("The scheduler has no worker: start one with `dask worker`")
 
 
 def test_only_what_changed_is_done_again(recordings, tmp_path, scheduler):

@@ -59,6 +59,9 @@ def fleet(
             done=lambda recording: progress.update(
                 bar, advance=1, description=printable(recording.name)
             ),
+            waiting=lambda sentence: progress.console.print(
+                f"allanfit: {sentence}", soft_wrap=True, markup=False, highlight=False
+            ),
         )
         progress.update(bar, description="comparing")
         comparison = compare(run.rows)

@@ -1,8 +1,10 @@
 """All recordings of a fleet, each once, in whatever order the workers take them."""
 
 import os
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +20,10 @@ from ._task import Outcome, Task, analyse, failed
 
 if TYPE_CHECKING:
     import distributed
+
+_POLL_S = 0.1
+# A cluster that grows when there is work has no worker at first.
+_PATIENCE_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -50,6 +56,7 @@ def run_fleet(
     workers: int | None = None,
     begin: Callable[[int], None] = lambda recordings: None,
     done: Callable[[Path], None] = lambda recording: None,
+    waiting: Callable[[str], None] = lambda sentence: None,
 ) -> FleetRun:
     """Fit many recordings side by side, each with a part of a Parquet dataset as its result.
 
@@ -65,6 +72,7 @@ def run_fleet(
     - `scheduler`: the address of a dask scheduler; by default `workers` processes are started
       here, one a core. Workers elsewhere read recordings by their path.
     - `begin`, `done`: called with the number of recordings, and with each when it is done.
+    - `waiting`: called with a sentence when there is no worker, which may come late or all be lost.
 
     **Raises** `FleetError` if there are no recordings, the folder cannot be written, or the
     scheduler cannot be reached or is lost; and when it is interrupted.
@@ -81,7 +89,7 @@ def run_fleet(
     analysed, unchanged, kept = 0, 0, []
     try:
         with connected(scheduler, workers) as client:
-            for outcome in _outcomes(client, tasks):
+            for outcome in _outcomes(client, tasks, waiting):
                 if outcome.rows is None:
                     unchanged += 1
                 elif _worse(outcome, store, options):
@@ -115,7 +123,9 @@ def _worse(outcome: Outcome, store: Store, options: Options) -> bool:
     return holds_results(rows) and still_good(rows, options.to_json(), version("allanfit"))
 
 
-def _outcomes(client: "distributed.Client", tasks: Iterable[Task]) -> Iterator[Outcome]:
+def _outcomes(
+    client: "distributed.Client", tasks: Iterable[Task], waiting: Callable[[str], None]
+) -> Iterator[Outcome]:
     """Outcomes as they come.
 
     **Raises** `CancelledError` when the scheduler is lost.
@@ -123,7 +133,10 @@ def _outcomes(client: "distributed.Client", tasks: Iterable[Task]) -> Iterator[O
     from distributed import as_completed
 
     submitted = {client.submit(analyse, task, pure=False): task for task in tasks}
-    for future in as_completed(list(submitted), loop=client.loop):
+    ready = as_completed(list(submitted), loop=client.loop)
+    while submitted:
+        _await_one(client, ready, waiting)
+        future = next(ready)
         task = submitted.pop(future)
         if future.status == "cancelled":
             raise CancelledError
@@ -131,6 +144,27 @@ def _outcomes(client: "distributed.Client", tasks: Iterable[Task]) -> Iterator[O
         yield future.result() if error is None else failed(task, _no_worker(task, error))
         # The scheduler keeps a result as long as somebody holds its future.
         future.release()
+
+
+def _await_one(
+    client: "distributed.Client",
+    ready: "distributed.as_completed",
+    waiting: Callable[[str], None],
+) -> None:
+    """Until a task is done; says once if nobody is there to do it."""
+    began, said = time.monotonic(), False
+    while not ready.has_ready():
+        time.sleep(_POLL_S)
+        if not said and time.monotonic() - began > _PATIENCE_S:
+            began = time.monotonic()
+            # One that does not answer is lost, which the tasks themselves tell.
+            with suppress(OSError):
+                said = not client.nthreads()
+            if said:
+                waiting(
+                    "The scheduler has no worker: start one with `dask worker` and its address; "
+                    "the recordings wait."
+                )
 
 
 def _no_worker(task: Task, error: BaseException) -> str:
