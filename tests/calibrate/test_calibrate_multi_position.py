@@ -146,17 +146,35 @@ def test_a_recording_is_cut_into_its_rests(moved):
         assert found[name].bias.value == pytest.approx(truth, abs=0.02)
 
 
+def test_angles_are_of_x_y_and_z_in_whatever_order_the_columns_stand(moved, tmp_path):
+    plain = multi_position(moved, gravity=GRAVITY)
+    with np.load(moved) as file:
+        turned = {name: file[name] for name in ("az", "ax", "ay", "rate_hz")}
+        other = {"up": file["ax"], "left": file["ay"], "front": file["az"]}
+    np.savez(tmp_path / "turned.npz", **turned)
+    found = multi_position(tmp_path / "turned.npz", gravity=GRAVITY)
+    assert found.misalignment == plain.misalignment
+    assert found.correction.to_dict() == plain.correction.to_dict()
+    assert found.correction.to_dict()["axes"] == list(found.axes) == ["ax", "ay", "az"]
+    # Names that tell no axis are taken as they stand, and that is said.
+    np.savez(tmp_path / "other.npz", rate_hz=50.0, **other)
+    found = multi_position(tmp_path / "other.npz", gravity=GRAVITY, unit="m/s^2")
+    assert any("up, left, front are taken as x, y, z, in this" in each for each in found.findings)
+    assert found.misalignment == plain.misalignment
+
+
 @pytest.mark.parametrize(
     ("make", "options", "message"),
     [
         (lambda data: data[:5], {}, "has 5 positions; at least 6"),
         (lambda data: data[:8], {}, "are 9 parameters"),
-        (lambda data: np.tile(data[:1], (12, 1)), {}, "do not tell"),
+        (lambda data: data[:1] + 1e-6 * np.eye(12, 3), {}, "do not tell|twice"),
         (lambda data: data * [1, 1, 0] + [0, 0, 0.1], {"orthogonal": True}, "scale factor of z"),
         (lambda data: data / GRAVITY, {}, "give --unit g"),
         (lambda data: data, {"unit": "deg/s"}, "not one of an acceleration"),
         (lambda data: data, {"sigma": 0.0}, "positive standard deviation"),
         (lambda data: np.where(data > 9, np.nan, data), {}, "finite numbers"),
+        (lambda data: data[[*range(12), 0]], {}, "1 position twice"),
         (lambda data: data[:, :2], {}, r"shape \(positions, 3\)"),
         (lambda data: data, {"reference": np.ones((3, 3))}, r"shape \(12, 3\)"),
         (lambda data: data, {"reference": np.diag([1, 2, 3.0]).repeat(4, 0)}, "equally long"),
@@ -182,7 +200,7 @@ def test_bad_positions(make, options, message):
         ("ax,ay,az\n1,2,3\n1,x,3\n", "'x' is not a number"),
         ("ax,ay,az\n1,2,3\n1,,3\n", "column ay has no number in row 2"),
         ("ax [g],ay [m/s^2],az [g]\n1,2,3\n1,2,3\n", "different units"),
-        ("ax,ay,az,ref_x\n1,2,3,1\n1,2,3,1\n", "no column for y"),
+        ("ax,ay,az,ref_x\n1,2,3,1\n1,2,3,1\n", "no column ref_y"),
         ("ax,acc_x,ay,az\n1,2,3,4\n1,2,3,4\n", "two columns for x"),
         ("ax,ay,az\n" + "1,2,3\n" * 1001, "give its rate with --rate"),
     ],

@@ -160,6 +160,7 @@ def test_the_document():
         ("rate,cw,ccw\n1,1,1\n-2,2,2\n3,3,3\n", {}, "row 2 is negative"),
         ("rate,cw,ccw\n1,1,1\n2,2,2.1\n2,2,2.1\n", {}, "1 row twice"),
         ("rate,cw,ccw\n1,-1,1\n2,-2,2\n3,-3,3\n", {}, "the columns are swapped"),
+        ("rate,cw,ccw\n1,1,1\n2,2,-2\n3,3,3\n", {}, "readings change their sign in row 2"),
         ("rate,cw,ccw\n1,6,6\n2,12,12\n3,18,18\n", {}, "in one unit"),
         ("rate [rpm],cw,ccw\n1,1,1\n2,2,2\n", {}, "no unit for cw, ccw"),
         ("rate,cw,ccw\n1,1,1\n2,2,2\n3,3,3\n", {"unit": "m/s^2"}, "not one of an angular rate"),

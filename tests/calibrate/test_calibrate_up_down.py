@@ -114,6 +114,18 @@ def test_three_axes_of_which_one_was_turned_over():
     assert any("not turned over: x, y" in each for each in found.findings)
 
 
+def test_columns_of_the_two_recordings_may_stand_in_another_order(tmp_path):
+    up, down = recordings()
+    rng = np.random.default_rng(3)
+    level = [0.2 + white(rng), 0.3 + white(rng)]
+    np.savez(tmp_path / "up.npz", accel_x=level[0], accel_z=up, rate_hz=RATE_HZ)
+    np.savez(tmp_path / "down.npz", accel_z=down, accel_x=level[1], rate_hz=RATE_HZ)
+    found = up_down(tmp_path / "up.npz", tmp_path / "down.npz", gravity=GRAVITY, noise={"N": 5e-3})
+    alone = up_down(up, down, rate_hz=RATE_HZ, gravity=GRAVITY, noise={"N": 5e-3})
+    assert list(found.axes) == ["accel_z"]
+    assert found["accel_z"].bias.value == pytest.approx(alone["data"].bias.value)
+
+
 def test_units_come_back_as_they_were_given():
     up, down = recordings()
     in_metres = up_down(up, down, rate_hz=RATE_HZ, gravity=GRAVITY, noise={"N": 5e-3})["data"]

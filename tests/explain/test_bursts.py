@@ -41,6 +41,19 @@ def test_two_knocks_say_more_than_one():
     assert two.log_p < one.log_p - 2
 
 
+def test_where_several_say_what_none_says_alone_is_told_where():
+    """Knocks of which each is within chance; false alarm of one seed .05, of the median none."""
+    middles = np.arange(2500, 20_000, 5000)
+    knocks = sum(ring(at, 34.0, 60, 0.11) for at in middles)
+    near = []
+    for seed in range(20):
+        found = bursts(np.random.default_rng(seed).standard_normal(SAMPLES) + knocks)
+        assert found.loud.any()
+        away = np.abs(np.flatnonzero(found.loud)[:, None] - middles).min(axis=1)
+        near.append(np.mean(away < 600))
+    assert np.median(near) > 0.5
+
+
 def test_a_lasting_line_is_none():
     time = np.arange(SAMPLES)
     line = 0.5 * np.sin(2 * np.pi * 0.1337 * time)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.signal import bessel, cont2discrete, lfilter, sosfilt
+from scipy.signal import bessel, cont2discrete, lfilter, remez, sosfilt
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._structure import EACH, TERMS, sieve
@@ -55,6 +55,21 @@ def test_a_bessel_filter_droops_and_is_no_filter_with_lines():
     assert names == ["low_pass"]
     assert 0.3 < float(low_pass.droop) < 0.95
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+def test_a_steep_filter_of_finite_response_is_one_filter():
+    """SciPy's equiripple half-band filter of 47 taps, and codes of a thirtieth of the noise."""
+    taps = remez(47, [0, 0.2, 0.3, 0.5], [1, 0], fs=1.0)
+    values = np.convolve(noise(5), taps, "valid")
+    code = values.std() / 30
+    names, low_pass, state = found_in(np.round(values / code) * code)
+    assert names == ["low_pass"]
+    assert low_pass.windowed
+    # Half of the amplitude passes at a quarter of the rate, half of the power a little below.
+    assert 0.235 < float(low_pass.cutoff_frequency) < 0.25
+    # An edge from .2 to .3 cycles a sample takes Hamming's window some 3.3/.1 samples.
+    assert 25 < float(low_pass.order) < 50
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
 
 
 def test_an_oscillator_that_rises_before_its_corner_is_a_filter():

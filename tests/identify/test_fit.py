@@ -188,6 +188,12 @@ def test_bad_arrays_are_refused(data, rate_hz, message):
         allanfit.fit(data, rate_hz)
 
 
+def test_a_batch_has_no_document():
+    fits = allanfit.fit_many(np.random.default_rng(0).standard_normal((2, 512)), 10.0)
+    with pytest.raises(ValueError, match="the fit of 2 sensors, and a document is of one"):
+        fits.to_dict()
+
+
 def test_document_and_table_of_an_array(monkeypatch):
     fit = allanfit.fit(records(GYRO, 1, 8192, 50.0)[0], 50.0)
     document = fit.to_dict("gyro_x", "deg/s")

@@ -35,6 +35,7 @@ CONTRACT = {
         "digital",
         "averaged",
         "running_mean",
+        "windowed",
     ],
     "power_law": ["exponent", "density"],
     "random_telegraph": ["amplitude", "dwell_time"],

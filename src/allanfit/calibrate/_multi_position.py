@@ -160,7 +160,9 @@ def _by_norm(
             name: quantity(i, "rad") for i, name in enumerate(PARAMETERS) if 6 <= i < size
         },
         misalignment_convention=_NORM_CONVENTION,
-        correction=Correction(np.asarray(correction_matrix(fit.value)), values[:3] * factor, unit),
+        correction=Correction(
+            np.asarray(correction_matrix(fit.value)), values[:3] * factor, unit, found.axes
+        ),
         residuals=_residuals(np.asarray(fit.residual) * factor, unit, ("length",) * count),
     )
 
@@ -218,7 +220,7 @@ def _by_attitude(
         findings=(*findings, *about),
         misalignment=misalignment,
         misalignment_convention=_ATTITUDE_CONVENTION,
-        correction=Correction(np.linalg.inv(fit.matrix), fit.bias * factor, unit),
+        correction=Correction(np.linalg.inv(fit.matrix), fit.bias * factor, unit, found.axes),
     )
 
 

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -121,9 +122,9 @@ def _letters(
         found[letter] = column
     missing = [letter for letter in "xyz" if letter not in found]
     if missing and (needed or found):
+        lacking = f"for {missing[0]}" if needed else f"ref_{missing[0]}"
         raise ValueError(
-            f"{name} has no column for {missing[0]}, only {', '.join(columns) or 'none'}; "
-            f"{_NEEDED}."
+            f"{name} has no column {lacking}, only {', '.join(columns) or 'none'}; {_NEEDED}."
         )
     return tuple(found[letter] for letter in "xyz" if letter in found)
 
@@ -160,6 +161,12 @@ def _table(
             f"{name} has {len(readings)} rows, one for each position if it is a table of means; "
             "if it is a recording, give its rate with --rate."
         )
+    copied = len(readings) - len(np.unique(readings, axis=0))
+    if copied:
+        raise ValueError(
+            f"{name} holds {copied} position{'s' * (copied > 1)} twice, to the last digit; a copy "
+            "is no second measurement: leave it out."
+        )
     if reference is not None:
         reference = _directions(name, np.asarray(reference, np.float64), readings.shape)
     return Positions(name, unit, axes, readings * unit.factor, reference, findings)
@@ -188,6 +195,7 @@ def _cut(recording: Recording, gravity: float) -> Positions:
             f"{', '.join(channel.name for channel in recording.channels)}; a triad has three: "
             "choose them with --channel."
         )
+    recording, findings = _in_order(recording)
     names = tuple(channel.name for channel in recording.channels)
     first = recording.channels[0]
     unit = Unit(first.unit, first.factor, first.si_unit, first.kind)
@@ -209,5 +217,17 @@ def _cut(recording: Recording, gravity: float) -> Positions:
         names,
         means,
         None,
-        (f"{found}, the shortest {shortest:.3g} s long.",) if len(means) else (f"{found}.",),
+        (*findings, f"{found}, the shortest {shortest:.3g} s long." if len(means) else f"{found}."),
     )
+
+
+def _in_order(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """The channels as x, y, z, whose angles they are to have; as they stand if no name tells."""
+    letters = {}
+    for channel in recording.channels:
+        match = _AXIS.fullmatch(channel.name)
+        letters[match[1].lower() if match else channel.name] = channel
+    if set(letters) == set("xyz"):
+        return replace(recording, channels=tuple(letters[letter] for letter in "xyz")), ()
+    names = ", ".join(channel.name for channel in recording.channels)
+    return recording, (f"{recording.name}: {names} are taken as x, y, z, in this order.",)

@@ -164,6 +164,7 @@ def _calibrate(
         line = jax.tree.map(np.asarray, _straight_line(jnp.asarray(signed), jnp.asarray(reading)))
     bias, slope = (float(each) for each in line.value)
     if reference == "table":
+        _refuse_mixed_signs(pairs, rate)
         _refuse_mixed_up(pairs, slope)
     told = reference == "earth" or len(np.unique(rate)) >= _FEWEST_RATES
     freedom = len(reading) - 2 if told else 0
@@ -207,6 +208,20 @@ def _per_rate(
             }
         )
     return rows
+
+
+def _refuse_mixed_signs(pairs: RatePairs, rate: Float64[np.ndarray, " rates"]) -> None:
+    """Magnitudes in some rows and signs in others make a line of no slope."""
+    ways = (("clockwise", pairs.clockwise), ("counter-clockwise", pairs.counter_clockwise))
+    for way, readings in ways:
+        # A bias may turn the sign of a reading that is small beside the rate.
+        clear = np.abs(readings) > rate / 2
+        if clear.any() and np.ptp(np.sign(readings[clear])) > 0:
+            row = int(np.flatnonzero(clear & (np.sign(readings) != np.sign(readings[clear][0])))[0])
+            raise ValueError(
+                f"{pairs.name}: the {way} readings change their sign in row {row + 1}; give all "
+                "of a column as magnitudes, or all with their sign."
+            )
 
 
 def _refuse_mixed_up(pairs: RatePairs, slope: float) -> None:

@@ -104,6 +104,8 @@ class Correction:
     bias: Float64[np.ndarray, " 3"]
     """In the unit of the readings, as is the corrected reading."""
     unit: str
+    axes: tuple[str, ...]
+    """The names of the three, in the order of matrix and bias."""
 
     def __call__(
         self, readings: Float64[np.ndarray, "*batch 3"]
@@ -113,7 +115,12 @@ class Correction:
 
     def to_dict(self) -> dict[str, Any]:
         """Matrix and bias as lists."""
-        return {"matrix": self.matrix.tolist(), "bias": self.bias.tolist(), "unit": self.unit}
+        return {
+            "matrix": self.matrix.tolist(),
+            "bias": self.bias.tolist(),
+            "unit": self.unit,
+            "axes": list(self.axes),
+        }
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,7 @@ def up_down(
     first, second = (
         _in_metres(as_recording(data, rate_hz, channels, unit, topic)) for data in (up, down)
     )
+    second = _in_order_of(first, second)
     _refuse_unlike(first, second)
     findings += _about_recordings(first, second)
     pairs, left_out = _turned_over(first, second, local, asked=bool(channels))
@@ -180,6 +181,13 @@ def _in_metres(recording: Recording) -> Recording:
             )
         made.append(channel)
     return replace(recording, channels=tuple(made))
+
+
+def _in_order_of(up: Recording, down: Recording) -> Recording:
+    """The channels of `down` as those of `up` stand, whatever columns its file begins with."""
+    place = {channel.name: at for at, channel in enumerate(up.channels)}
+    ordered = sorted(down.channels, key=lambda channel: place.get(channel.name, len(place)))
+    return replace(down, channels=tuple(ordered))
 
 
 def _about_recordings(up: Recording, down: Recording) -> tuple[str, ...]:

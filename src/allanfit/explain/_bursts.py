@@ -82,10 +82,15 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
     apart = _apart(tiles)
     if not apart:
         return Burst(loud, 0.0, 1.0, _WINDOWS[0])
-    log_p = min(
+    chances = [
         float(poisson.logsf(k, np.exp(trials - tile.power)) - np.log(allotted))
         for k, (tile, allotted) in enumerate(zip(apart, _ALLOTTED, strict=False))
-    )
+    ]
+    log_p = min(chances)
+    # Several that are strong together may each be no more than chance.
+    for tile in apart[: chances.index(log_p) + 1]:
+        begin = round(tile.middle - tile.window / 2)
+        loud[begin : begin + tile.window] = True
     return Burst(loud, min(0.0, log_p), apart[0].power, apart[0].window)
 
 

@@ -88,7 +88,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
         kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
-        flags = ("digital", "averaged", "running_mean")
+        flags = ("digital", "averaged", "running_mean", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
@@ -99,7 +99,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 {**values, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
-                note=_running_mean(kind) if kind.running_mean else "",
+                note=_finite(kind),
                 told=told,
             )
         )
@@ -153,9 +153,14 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     return found
 
 
-def _running_mean(kind: LowPass) -> str:
-    times = round(float(kind.order))
-    often = f", {times} times over" if times > 1 else ""
+def _finite(kind: LowPass) -> str:
+    """What is said of a filter of finite response, in samples."""
+    order = round(float(kind.order))
+    if kind.windowed:
+        return f"with a steep edge, as {order + 1} taps under a Hamming window have"
+    if not kind.running_mean:
+        return ""
+    often = f", {order} times over" if order > 1 else ""
     return f"a running mean of {float(kind.taps(1.0)):.0f} samples{often}"
 
 

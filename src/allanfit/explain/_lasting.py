@@ -36,6 +36,8 @@ _STEP_PATH = 100.0
 # Samples of the whitening kernel, and nearly the half-width of a uniform distribution.
 _KERNEL = 4096
 _WIDEST = 1.65
+# Samples at the ends of a record in which what leaks there is told.
+_END = 32
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 # And where so many samples have them, they are the noise itself, which has long tails.
@@ -50,7 +52,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
     piece = state.longest
     rough = whitened_piece(state, piece)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
-    white = whitened_piece(state, piece, notches)
+    white = _without_ends(whitened_piece(state, piece, notches))
     changing = modulation(white, seed)
     state.witnesses.append(
         {
@@ -83,7 +85,8 @@ def about_spread(state: Investigation, seed: int) -> bool:
             "sentence": "Short spectra of the whitened record, scanned for tiles that stand out.",
         }
     )
-    if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < _BRIEF_SHARE:
+    rare = 0 < brief.loud.mean() < _BRIEF_SHARE
+    if brief.log_p < np.log(state.alarm) and not state.knocks and rare:
         knocked = _as_modulation(white, brief)
         if _steps_instead(state, piece, knocked):
             return about_spread(state, seed)
@@ -158,6 +161,17 @@ def _knock(
     log_p = float(np.log(max(changing.p_value, 1e-300)))
     state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
     state.gains["disturbance"] = of_times(white, changing.loud)
+
+
+def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
+    """Other samples in place of the first and the last.
+
+    Where a filter leaves nothing, what the two ends of the record leak there becomes a knock at
+    either end when it is made white.
+    """
+    white = white.copy()
+    white[:_END], white[-_END:] = white[_END : 2 * _END], white[-2 * _END : -_END]
+    return white
 
 
 def _as_modulation(white: Float[np.ndarray, " samples"], brief: Burst) -> Modulation:

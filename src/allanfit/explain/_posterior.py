@@ -23,6 +23,7 @@ from ._structure import (
     FREE_FILTERS,
     RUNNING_MEAN,
     TERMS,
+    WINDOWED,
     Data,
     active,
     droop_of,
@@ -93,8 +94,9 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    # One with a window is far from all others.
     alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
-    tried = [(kind, cutoff, order) for kind in alike]
+    tried = [(kind, cutoff, order) for kind in alike if model.kinds.shaping != WINDOWED]
     means = {*nearest_running_means(cutoff), *running_means(data)[:2]}
     tried += [(RUNNING_MEAN, *each) for each in sorted(means)]
     starts = []

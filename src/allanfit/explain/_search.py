@@ -17,6 +17,7 @@ from ._structure import (
     FREE_FILTERS,
     RUNNING_MEAN,
     TERMS,
+    WINDOWED,
     Data,
     Kinds,
     added_density,
@@ -38,6 +39,9 @@ _FAINT = 1e-4
 # Quality and relative width up to which they are usual, and the power with which they become rare.
 _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
 _RARER = 1.5
+# A filter with a window is looked for where another is of a higher order; its orders to begin with.
+_STEEP = 3.0
+_WINDOWS = (12.0, 36.0, 108.0)
 
 
 class Model(NamedTuple):
@@ -245,12 +249,17 @@ def _filtered(model: Model, data: Data) -> list[Start]:
 def _drooping(model: Model, data: Data) -> list[Start]:
     """The filter that the model has, of another shape."""
     starts = []
+    three = model.theta[TERMS : TERMS + EACH]
+    cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    steep = order > _STEEP and cutoff < 0.5
     for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
         theta = model.theta.copy()
-        two = shape_of(model.kinds.shaping or "", theta[TERMS : TERMS + EACH], data.samples)
-        cutoff, order = map(float, two)
         theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
         starts.append(("droop", model.kinds._replace(shaping=kind), theta))
+    for order in _WINDOWS if steep else ():
+        theta = model.theta.copy()
+        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, order, data.samples)
+        starts.append(("droop", model.kinds._replace(shaping=WINDOWED), theta))
     return starts
 
 

@@ -38,7 +38,9 @@ _DROOPING = "drooping_"
 DROOPING = tuple(_DROOPING + name for name in FREE_FILTERS)
 #: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
 RUNNING_MEAN = "running_mean"
-FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN)
+#: Behind it too, with an edge as steep as a long response makes it.
+WINDOWED = "windowed_low_pass"
+FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN, WINDOWED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 TERMS = 4
@@ -79,7 +81,7 @@ class Kinds(NamedTuple):
     @property
     def angle_filtered(self) -> bool:
         """Whether quantization comes before the filter, as in a converter before a processor."""
-        return without_droop(self.shaping or "") in ("digital_low_pass", RUNNING_MEAN)
+        return without_droop(self.shaping or "") in ("digital_low_pass", RUNNING_MEAN, WINDOWED)
 
 
 class Data(NamedTuple):
@@ -112,10 +114,11 @@ def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
     return LowPass(
         *shape_of(kind, three, samples),
         # A droop of nothing too: one program serves filters that droop and those that do not.
-        droop=None if kind == RUNNING_MEAN else droop_of(three),
+        droop=None if kind in (RUNNING_MEAN, WINDOWED) else droop_of(three),
         digital=kind == "digital_low_pass",
         averaged=kind == "averaged_low_pass",
         running_mean=kind == RUNNING_MEAN,
+        windowed=kind == WINDOWED,
     )
 
 
@@ -133,6 +136,8 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
         RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
+        # Of fewer samples it is much like the others.
+        WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
     }[without_droop(name)]
 

@@ -79,7 +79,15 @@ class Fit(eqx.Module):
         return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
     def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
-        """The fit JSON of one sensor, with the name and unit that its array does not carry."""
+        """The fit JSON of one sensor, with the name and unit that its array does not carry.
+
+        **Raises:** `ValueError` for the fit of a batch.
+        """
+        if self.converged.shape:
+            raise ValueError(
+                f"this is the fit of {self.converged.size} sensors, and a document is of one: fit "
+                "that sensor alone with allanfit.fit."
+            )
         # A document is made of a recording's channel, which knows this class.
         from ._recording_fit import series_fit
 
