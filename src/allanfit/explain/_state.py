@@ -37,6 +37,8 @@ from ._whiten import level, whitened
 _FINE = 0.05
 # Width of bins about a zero, as a part of its frequency.
 _NEAR_ZERO = 0.002
+# Half the degrees of freedom of a bin whose density is known to a tenth.
+_MANY = 100.0
 # Share of a density that may have leaked.
 _LEAKED = 0.05
 # So many logs of rates for one of differences of an angle, among those with coarse codes.
@@ -242,10 +244,13 @@ def _rate_is_rounded(state: Investigation) -> float:
 def refit(state: Investigation) -> None:
     """The present structure again, with what is known of white noise that is not N."""
     # Of all white noise something has to be left for N: coarse codes may hide the noise.
+    # No more than there is: of N, or behind a filter, where five terms may see no N, anywhere.
     white = 2 * float(np.exp(state.first.theta[1]))
-    state.data = state.data._replace(
-        foreign=min(2 * (state.foreign + state.rounding), 0.999 * white)
-    )
+    bins = state.data.bins
+    many = bins.used & (np.asarray(bins.shape) > _MANY)
+    lowest = float(np.min(bins.density[many])) if many.any() else 0.0
+    most = max(0.999 * white, 0.9 * lowest)
+    state.data = state.data._replace(foreign=min(2 * (state.foreign + state.rounding), most))
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
     state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
