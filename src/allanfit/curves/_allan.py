@@ -100,10 +100,9 @@ def overlapping_sums(
     whole = positions // _STEP
 
     def squares(step: Int[Array, ""], n: Int[Array, ""]) -> Float[Array, " block"]:
-        starts = [step * _STEP + row * _BLOCK for row in range(_ROWS)]
         total = jnp.zeros(_BLOCK, x.dtype)
-        for start in starts:
-            total += _difference(prefixes, start, n, _BLOCK) ** 2
+        for row in range(_ROWS):
+            total += _difference(prefixes, step * _STEP + row * _BLOCK, n, _BLOCK) ** 2
         return total
 
     def one_tile(tile: Int[Array, ""], sums: Float[Array, "sizes block"]):

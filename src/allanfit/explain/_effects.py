@@ -219,14 +219,12 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
             found.append(_sinusoid(course, sizes, own, others, dt, rng))
         elif course.name == "temperature":
             felt.append(sizes[:, 0])
-        elif course.name == "vibration_rectification":
-            # Per unit of a vibration that is itself known roughly.
+        else:
+            # Rectified vibration, per unit of a vibration that is itself known roughly.
             assert state.modulation is not None
             added = rng.choice(state.modulation.draws, len(sizes)) ** 2 - 1
             coefficient = sizes[:, 0] * (state.modulation.ratio**2 - 1) / added
             found.append(Effect(course.name, own, others, {"coefficient": coefficient}))
-        else:
-            found.append(Effect(course.name, own, others, {"coefficient": sizes[:, 0]}))
     if felt:
         # Felt late by several thermal masses, slow changes by all of them.
         own, others = _probabilities(state.finding("temperature"), "temperature")

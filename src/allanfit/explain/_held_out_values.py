@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.stats import norm
 
-from ._spread import PULLED_IN, body_density, contamination, log_mixture, modulation
+from ._spread import PULLED_IN, contamination, log_body, log_mixture, modulation
 
 # Within this part of a code's width a value lies on a code.
 _ON_CODE = 0.02
@@ -65,8 +65,7 @@ def of_spikes(white: Float[np.ndarray, " samples"], box: float, seed: int) -> Ga
 
     def differences(known: slice, scored: slice):
         found = contamination(white[known], seed, box)
-        width = white[known].std()
-        plain = np.log(np.maximum(body_density(white[scored] / width, found.box), 1e-300) / width)
+        plain = log_body(white[scored], float(white[known].std()), found.box)
         return log_mixture(found, white[scored]) - plain
 
     return _crossed(white.size, differences)

@@ -85,8 +85,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
             "sentence": "Short spectra of the whitened record, scanned for tiles that stand out.",
         }
     )
-    rare = 0 < brief.loud.mean() < _BRIEF_SHARE
-    if brief.log_p < np.log(state.alarm) and not state.knocks and rare:
+    if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < _BRIEF_SHARE:
         knocked = _as_modulation(white, brief)
         if _steps_instead(state, piece, knocked):
             return about_spread(state, seed)

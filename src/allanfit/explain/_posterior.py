@@ -94,9 +94,11 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
-    # One with a window is far from all others.
     alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
-    tried = [(kind, cutoff, order) for kind in alike if model.kinds.shaping != WINDOWED]
+    if model.kinds.shaping == WINDOWED:
+        # It is far from all others.
+        alike = ()
+    tried = [(kind, cutoff, order) for kind in alike]
     means = {*nearest_running_means(cutoff), *running_means(data)[:2]}
     tried += [(RUNNING_MEAN, *each) for each in sorted(means)]
     starts = []

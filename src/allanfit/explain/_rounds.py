@@ -7,6 +7,7 @@ import numpy as np
 
 from . import _means, _search
 from ._chance import course_score, log_chance, score
+from ._course_scan import propose, sharpened
 from ._lasting import loudness
 from ._lines import Peak, Sine, line_log_chance, refine, scan
 from ._means import Course
@@ -250,7 +251,7 @@ def _smooth_options(state: Investigation) -> list[Option]:
 
 
 def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
-    proposals = _means.propose(
+    proposals = propose(
         state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
     )
     options: list[Option] = []
@@ -321,8 +322,6 @@ def _at_its_edges(state: Investigation, course: Course) -> Course:
     assert changing is not None
     sized = with_course(state, course)
     variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-    loud = _means.sharpened(
-        changing.loud, changing.window, state.values[start:stop], sized.left, variance
-    )
+    loud = sharpened(changing.loud, changing.window, state.values[start:stop], sized.left, variance)
     state.modulation = changing._replace(loud=loud)
     return course._replace(template=loudness(state))

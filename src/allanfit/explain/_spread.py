@@ -4,7 +4,8 @@ All of it looks at the whitened record, which is independent and standard normal
 amiss, so that each test has a null distribution that does not depend on the sensor.
 """
 
-from typing import NamedTuple
+import itertools
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -17,6 +18,8 @@ from scipy.stats import chi2
 PULLED_IN = 4.0
 # A uniform part narrower than this changes no tail.
 _FLAT = 0.3
+# Shares of spikes, and their size over that of the body, to begin with.
+_SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
 # Samples apart up to which the whitened record may be correlated.
@@ -85,25 +88,21 @@ def contamination(
         return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
 
     def alone(width: float, box: float) -> float:
-        return -float(
-            weights @ np.log(np.maximum(body_density(points / width, box), 1e-300) / width)
-        )
+        return -float(weights @ log_body(points, width, box))
 
     # The same histogram under one distribution of its own best width.
     width = np.sqrt(weights @ points**2 / weights.sum())
-    plain, best, shape = np.inf, None, (False, 0.0)
-    for light in (0.0, box)[: 1 + (box > _FLAT)]:
-        fit = minimize_scalar(alone, bounds=(0.8 * width, 1.1 * width), args=(light,))
-        plain = min(plain, float(fit.fun))  # pyright: ignore[reportAttributeAccessIssue]
-        for spread in (False, True):
-            for fraction, spike in ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0)):
-                start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
-                found = minimize(
-                    negative, start, (spread, light), "Nelder-Mead", options={"maxiter": 600}
-                )
-                # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
-                if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
-                    best, shape = found, (spread, light)
+    reach = (0.8 * width, 1.1 * width)
+    boxes = (0.0, box) if box > _FLAT else (0.0,)
+    singles: list[Any] = [minimize_scalar(alone, bounds=reach, args=(each,)) for each in boxes]
+    plain = min(float(single.fun) for single in singles)
+    best, shape = None, (False, 0.0)
+    for light, spread, (fraction, spike) in itertools.product(boxes, (False, True), _SPIKES):
+        start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
+        found = minimize(negative, start, (spread, light), "Nelder-Mead", options={"maxiter": 600})
+        # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
+        if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
+            best, shape = found, (spread, light)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
     draws = _draws(lambda x: negative(x, *shape), best.x, seed)
@@ -131,10 +130,10 @@ def _densities(
     fraction, size, core = three
     wide = np.hypot(core, size)
     spike = _student(at / wide) if heavy else _normal(at / wide)
-    return (1 - fraction) * body_density(at / core, box) / core, fraction * spike / wide
+    return (1 - fraction) * _body(at / core, box) / core, fraction * spike / wide
 
 
-def body_density(x: Float[np.ndarray, " values"], box: float) -> Float[np.ndarray, " values"]:
+def _body(x: Float[np.ndarray, " values"], box: float) -> Float[np.ndarray, " values"]:
     """Of a uniform value within `box` and a normal one together, of variance 1."""
     if box <= _FLAT:
         return _normal(x)
@@ -150,6 +149,13 @@ def _normal(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
 def _student(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
     """Of two degrees of freedom."""
     return (2 + x**2) ** -1.5
+
+
+def log_body(
+    at: Float[np.ndarray, " values"], width: float, box: float
+) -> Float[np.ndarray, " values"]:
+    """Log density of values without spikes, of standard deviation `width`."""
+    return np.log(np.maximum(_body(at / width, box), 1e-300) / width)
 
 
 def log_mixture(

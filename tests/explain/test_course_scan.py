@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from allanfit.explain._means import sharpened
+from allanfit.explain._course_scan import sharpened
 from allanfit.explain._ordinates import ordinates
 
 

@@ -1,0 +1,241 @@
+"""Where in a record courses are looked for: scans of means over blocks, in the noise as it is."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.fft import dct
+
+from ._chance import course_log_chance
+from ._means import Course, late, ordinate_variance, oscillation, step, warm_up
+from ._ordinates import Ordinates
+from ._search import Model
+from ._structure import Data
+
+# Courses are looked for in means over at most this many blocks of the record.
+_BLOCKS = 4096
+# And where a step is placed exactly.
+_FINE_BLOCKS = 65536
+_SHORTLIST = 3
+# Log of the chance of a scan's maximum below which a course is fitted at all.
+_WORTH = float(np.log(0.3))
+# Slower than this many periods in the record, an oscillation is no line yet.
+_FEWEST_PERIODS = 1.5
+_MOST_PERIODS = 160
+# A sensor follows its surroundings late by such parts of the record.
+_LAGS = (0.0, 0.003, 0.01, 0.03, 0.1)
+
+
+def propose(
+    samples: int,
+    pieces: tuple[tuple[int, int], ...],
+    values: Float[np.ndarray, " samples"],
+    spectrum: Ordinates,
+    model: Model,
+    data: Data,
+    drivers: dict[str, Float[np.ndarray, "samples columns"]],
+) -> list[Course]:
+    """The courses that look most promising, a few of each name.
+
+    In the longest stretch, block means and a scan that keeps the noise as it is; once as fitted,
+    and once with nearly no random walk, since a course hides behind the walk that it made.
+    """
+    start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
+    length = stop - start
+    blocks = _blocks(values[start:stop])
+    flat = ordinate_variance(spectrum, model, data)
+    calm = model._replace(
+        theta=np.where(np.arange(model.theta.size) == 3, model.theta - 4.0, model.theta)
+    )
+    found: list[Course] = []
+    # How far a scan goes is a matter of the noise that is believed in.
+    paths: dict[str, float] = {}
+    time = blocks.time
+    for variance in (flat, ordinate_variance(spectrum, calm, data)):
+        scan = blocks.scan(spectrum, variance)
+        found += _oscillations(scan, time, length, start, samples)
+        found += _warm_ups(scan, time, length, start, samples, paths)
+        found += _steps(scan, time.size, blocks.size, start, samples, paths)
+    for name, columns in drivers.items():
+        found += _driven(name, columns, samples)
+    return found
+
+
+class _Blocks(NamedTuple):
+    """Means over blocks of a stretch."""
+
+    means: Float[np.ndarray, " blocks"]
+    #: Samples in each.
+    size: int
+
+    @property
+    def time(self) -> Float[np.ndarray, " blocks"]:
+        """The middles of the blocks, in samples of the stretch."""
+        return (np.arange(self.means.size) + 0.5) * self.size
+
+    def scan(self, spectrum: Ordinates, variance: Float[np.ndarray, " ordinates"]) -> "_Scan":
+        """A scan in noise that gives the ordinates of the record this variance."""
+        scale, count = np.sqrt(self.size), self.means.size
+        orders = np.arange(1, max(count // 2, 2))
+        weight = np.interp(orders / (2 * count * self.size), spectrum.frequency, variance) / 2
+        means, time = (_coefficients(each, scale, orders) for each in (self.means, self.time))
+        return _Scan(means, time, weight, scale, orders)
+
+
+def _blocks(values: Float[np.ndarray, " samples"], most: int = _BLOCKS) -> _Blocks:
+    size = max(1, values.size // most)
+    count = values.size // size
+    return _Blocks(values[: count * size].reshape(count, size).mean(axis=1), size)
+
+
+class _Scan(NamedTuple):
+    amplitude: Float[np.ndarray, " orders"]
+    ramp: Float[np.ndarray, " orders"]
+    variance: Float[np.ndarray, " orders"]
+    scale: float
+    orders: np.ndarray
+
+    def gain(self, columns: Float[np.ndarray, "blocks columns"]) -> float:
+        """What generalised least squares gains by some columns beside the ramp."""
+        projected = self.directions(columns).T @ (self.amplitude / np.sqrt(self.variance))
+        return float(np.sum(projected**2))
+
+    def directions(
+        self, columns: Float[np.ndarray, "blocks columns"]
+    ) -> Float[np.ndarray, "orders columns"]:
+        """Unit vectors of some columns in white noise, at right angles to the ramp."""
+        moved = _coefficients(columns, self.scale, self.orders)
+        root = np.sqrt(self.variance)
+        basis, _ = np.linalg.qr(np.column_stack([self.ramp, moved]) / root[:, None])
+        return basis[:, 1:]
+
+
+def _coefficients(
+    columns: Float[np.ndarray, "blocks *columns"], scale: float, orders: np.ndarray
+) -> Float[np.ndarray, "orders *columns"]:
+    """Cosine coefficients of means, as those of samples."""
+    centred = columns - columns.mean(axis=0)
+    return scale * np.asarray(dct(centred, axis=0, norm="ortho"))[orders]
+
+
+def _path(cosines: Float[np.ndarray, " steps"]) -> float:
+    """The length of a path on the sphere, from the cosines of its steps."""
+    return float(np.sum(np.arccos(np.clip(np.abs(cosines), 0.0, 1.0))))
+
+
+def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
+    periods = np.arange(_FEWEST_PERIODS, min(_MOST_PERIODS, time.size / 8), 0.25)
+    gains = []
+    for cycles in periods:
+        angle = 2 * np.pi * cycles * time / length
+        gains.append(scan.gain(np.column_stack([np.cos(angle), np.sin(angle)])))
+    courses = []
+    # Each whole period is a place of its own, and the best lies between them.
+    places = 3.0 * float(periods[-1])
+    for at in _tops(np.asarray(gains), 4, 2, places):
+        fine = periods[at] + np.linspace(-0.25, 0.25, 9)
+        angles = [2 * np.pi * c * time / length for c in fine]
+        values = [scan.gain(np.column_stack([np.cos(a), np.sin(a)])) for a in angles]
+        best_place = float(fine[int(np.argmax(values))]) / length
+        courses.append(oscillation(best_place, start, samples)._replace(places=places))
+    return courses
+
+
+def _warm_ups(scan: _Scan, time, length, start, samples, paths) -> list[Course]:
+    constants = np.geomspace(max(length / 300, 4 * (time[1] - time[0])), length / 1.5, 24)
+    ways = np.stack([scan.directions(np.exp(-time / c)[:, None])[:, 0] for c in constants])
+    path = paths.setdefault("warm_up", _path(np.sum(ways[1:] * ways[:-1], axis=1)))
+    gains = (ways @ (scan.amplitude / np.sqrt(scan.variance))) ** 2
+    return [
+        warm_up(float(constants[at]), start, samples)._replace(length=path)
+        for at in _tops(gains, 3, 1, 1.0, path)[:1]
+    ]
+
+
+def _steps(scan: _Scan, count, block, start, samples, paths) -> list[Course]:
+    # The cosine coefficients of a step at g blocks are a sine of g: all positions at once.
+    orders, at = scan.orders, np.arange(1, 1024) / 1024
+    sine = np.sin(np.pi * orders[:, None] * at)
+    half = 2 * np.sin(np.pi * orders / (2 * count))
+    unit = -np.sqrt(2 / count) * scan.scale / half
+    ramp = scan.ramp / scan.variance
+    top = (scan.amplitude * unit / scan.variance) @ sine
+    bottom = (unit**2 / scan.variance) @ sine**2
+    across = (ramp * unit) @ sine
+    norm = ramp @ scan.ramp
+    top = top - across * (ramp @ scan.amplitude) / norm
+    bottom = np.maximum(bottom - across**2 / norm, 1e-12 * bottom)
+    gains = top**2 / bottom
+    beside = (unit**2 / scan.variance) @ (sine[:, 1:] * sine[:, :-1])
+    beside -= across[1:] * across[:-1] / norm
+    path = paths.setdefault("step", _path(beside / np.sqrt(bottom[1:] * bottom[:-1])))
+    # A step at the very ends is an outlier or a ramp.
+    gains[:4] = gains[-4:] = 0.0
+    return [
+        step(round(at[i] * count * block) + start, samples)._replace(length=path)
+        for i in _tops(gains, 12, 1, 1.0, path)
+    ]
+
+
+def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: int) -> list[Course]:
+    if name != "temperature":
+        return [Course(name, columns, {})]
+    felt = columns[:, 0]
+    return [late(felt, lag * samples)._replace(places=float(len(_LAGS))) for lag in _LAGS]
+
+
+def _tops(
+    gains: Float[np.ndarray, " gains"], apart: int, sizes: int, places: float, path: float = 0.0
+) -> list[int]:
+    """The highest places that are worth a fit, none within `apart` of a higher one."""
+    known = 1e9
+    worth = [course_log_chance(gain, sizes, known, places, path) < _WORTH for gain in gains]
+    left = np.where(worth, gains, 0.0)
+    tops = []
+    for _ in range(_SHORTLIST):
+        at = int(np.argmax(left))
+        if left[at] <= 0:
+            break
+        tops.append(at)
+        left[max(0, at - apart) : at + apart + 1] = 0.0
+    return tops
+
+
+def sharpened(
+    loud: Bool[np.ndarray, " samples"],
+    reach: int,
+    values: Float[np.ndarray, " samples"],
+    spectrum: Ordinates,
+    variance: Float[np.ndarray, " ordinates"],
+) -> Bool[np.ndarray, " samples"]:
+    """Loud times of a stretch with edges where a shift of the mean beside them explains most.
+
+    Each edge is moved by `reach` samples at most. Noise that grows with time makes edges all that
+    is known of a shift, and a shift that begins elsewhere is found too small.
+    """
+    edges, first = np.flatnonzero(np.diff(loud)) + 1.0, bool(loud[0])
+    coarse, fine = _blocks(values, _BLOCKS), _blocks(values, _FINE_BLOCKS)
+    # Every place first, then ever closer ones.
+    every = np.arange(-reach, reach + 1, coarse.size)
+    halves = coarse.size / 2.0 ** np.arange(max(np.log2(coarse.size / fine.size), 0) + 1)
+    closer = [half * np.array([-1, 0, 1]) for half in halves]
+    for blocks, rounds in ((coarse, [every, every]), (fine, closer)):
+        scan, time = blocks.scan(spectrum, variance), blocks.time
+
+        def gain(at: Float[np.ndarray, " edges"], scan: _Scan = scan, time=time) -> float:
+            return scan.gain(_between(at, time, first)[:, None].astype(float))
+
+        for moves in rounds:
+            for i in range(edges.size):
+                tried = np.where(np.arange(edges.size) == i, edges + moves[:, None], edges)
+                # Edges that change places would swap what is loud.
+                tried = tried[np.all(np.diff(tried) > 0, axis=1)]
+                edges = max(tried, key=gain)
+    return _between(edges, np.arange(loud.size) + 0.5, first)
+
+
+def _between(
+    edges: Float[np.ndarray, " edges"], time: Float[np.ndarray, " times"], first: bool
+) -> Bool[np.ndarray, " times"]:
+    """Whether it is loud at some times; `first` before all edges."""
+    return (np.searchsorted(edges, time) % 2 == 1) != first
