@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.signal import bessel, cont2discrete, lfilter, remez, sosfilt
+from scipy.signal import bessel, cont2discrete, firwin, freqz, lfilter, remez, sosfilt
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._structure import EACH, TERMS, sieve
@@ -69,6 +69,20 @@ def test_a_steep_filter_of_finite_response_is_one_filter():
     assert 0.235 < float(low_pass.cutoff_frequency) < 0.25
     # An edge from .2 to .3 cycles a sample takes Hamming's window some 3.3/.1 samples.
     assert 25 < float(low_pass.order) < 50
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_a_decimator_is_one_filter_though_it_leaves_nothing_beyond():
+    """SciPy's filter of 255 taps at 36 % of the rate that every tenth sample leaves."""
+    fine = np.random.default_rng(12).standard_normal(10 * (SAMPLES + 500)) * np.sqrt(10)
+    taps = firwin(255, 2 * 0.036)
+    names, low_pass, state = found_in(np.convolve(fine, taps, "valid")[::10])
+    assert names == ["low_pass"]
+    assert low_pass.windowed
+    frequency, response = freqz(taps, worN=4096, fs=10)
+    half = np.interp(0.5, (np.abs(response) ** 2)[::-1], frequency[::-1])
+    assert float(low_pass.cutoff_frequency) == pytest.approx(half, rel=0.01)
+    assert float(low_pass.order) == pytest.approx(25.4, rel=0.1)
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
@@ -47,6 +47,17 @@ def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     assert channel["verdict"] == "unexplained"
     assert any(word in effect["sentence"] for effect in channel["effects"])
     assert channel["improvement"]["held_out_log_score"]["difference"] > 10
+
+
+def test_a_high_pass_filter_is_known_by_what_it_leaves(tmp_path, noise):
+    """Its corner within 20 %, which a little flicker beside it takes, and N within 3 %."""
+    numerator, denominator = butter(2, 0.5 / (RATE / 2), "high")
+    channel = explained(tmp_path, lfilter(numerator, denominator, noise))
+    assert channel["verdict"] == "unexplained"
+    (effect,) = channel["effects"]
+    assert "as behind a high-pass filter of order" in effect["sentence"]
+    assert effect["parameters"]["frequency"]["value"] == pytest.approx(0.5, rel=0.2)
+    assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.03)
 
 
 def test_harmonics_and_strangers_are_no_comb():

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.signal import butter, freqs
 from scipy.special import gamma
 
 from allanfit.physics import (
@@ -50,7 +51,7 @@ CONTRACT = {
     "variance_modulation": ["ratio", "intervals"],
     "vibration_rectification": ["coefficient"],
     "disturbance": ["intervals"],
-    "bump": ["height", "frequency", "width"],
+    "bump": ["height", "frequency", "width", "high_pass"],
 }
 DT = 0.01
 SAMPLINGS = ("point", "averaged")
@@ -304,6 +305,16 @@ def test_a_bump_is_where_it_is_said_to_be():
     expected = np.exp(-1.2 * np.exp([0.0, -0.5, -5000]))
     np.testing.assert_allclose(bump.gain(jnp.asarray(at), DT), expected)
     assert bump.gain(jnp.zeros(1), DT) == 1
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_high_pass_is_a_butterworth_filter(order):
+    frequency = np.geomspace(0.01, 10, 30)
+    numerator, denominator = butter(order, 2 * np.pi * 0.5, "high", analog=True)
+    _, expected = freqs(numerator, denominator, 2 * np.pi * frequency)
+    bump = Bump(*map(jnp.asarray, (0.0, 0.5, 1 / (2 * order))), high_pass=True)
+    gain = np.asarray(bump.gain(jnp.asarray(frequency), DT))
+    np.testing.assert_allclose(gain, np.abs(expected) ** 2, rtol=1e-6)
 
 
 @each_sampling

@@ -196,7 +196,7 @@ def test_a_filter_with_a_window():
         cutoff = np.interp(-np.sqrt(0.5), -found, frequency)
         low_pass = LowPass(jnp.asarray(cutoff), jnp.asarray(taps - 1.0), windowed=True)
         gain = np.asarray(low_pass.gain(jnp.asarray(frequency), DT))
-        np.testing.assert_allclose(np.sqrt(gain), found, atol=0.02)
+        np.testing.assert_allclose(np.sqrt(gain), found, atol=0.01)
         assert gain[0] == pytest.approx(1)
 
 

@@ -12,7 +12,17 @@ from ._ordinates import points
 from ._posterior import Draws
 from ._spread import runs
 from ._state import Finding, Investigation
-from ._structure import DROOPING, EACH, NARROW, TERMS, added_density, shape_of, sieve
+from ._structure import (
+    DROOPING,
+    EACH,
+    HIGH_PASS,
+    NARROW,
+    TERMS,
+    UNNAMED,
+    added_density,
+    shape_of,
+    sieve,
+)
 from ._telegraph import two_levels
 from ._unknown import Unknown
 
@@ -22,6 +32,10 @@ _ROOM_PERIOD_S = 240.0
 _SURE = 0.99
 _LINE = 0.97
 _LIKELY_ROOM = 0.75
+_CUT = (
+    "noise is missing below {:.3g} Hz, as behind a high-pass filter of order {:.2g}: alternating-"
+    "current coupling, or a mean that is estimated and taken off all the time"
+)
 # So many wandering biases switch between two levels, before any look at the levels.
 _TELEGRAPH = 0.15
 _MOST_TELEGRAPH = 0.96
@@ -103,21 +117,8 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 told=told,
             )
         )
-    if kinds.shaping == "bump":
-        three = draws.theta[:, 4:7].T
-        centre, width = (np.asarray(each) for each in shape_of("bump", three, samples))
-        height = np.tanh(three[0] / 6) * 6
-        middle, breadth = float(np.median(centre)) / dt, float(np.median(width))
-        found.append(
-            Effect(
-                "bump",
-                _SURE,
-                {},
-                {"height": height, "frequency": centre / dt, "width": width},
-                {},
-                (middle * np.exp(-breadth), min(middle * np.exp(breadth), 0.5 / dt)),
-            )
-        )
+    if kinds.shaping in UNNAMED:
+        found.append(_unnamed(kinds.shaping, draws.theta[:, TERMS : TERMS + EACH].T, samples, dt))
     for place, name in enumerate(kinds.added):
         if place in state.disowned_noises:
             continue
@@ -151,6 +152,20 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band))
     return found
+
+
+def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
+    """A bump, or what a high-pass filter leaves."""
+    frequency, width = (np.asarray(each) for each in shape_of(shaping, three, samples))
+    middle, breadth = float(np.median(frequency)) / dt, float(np.median(width))
+    values = {"frequency": frequency / dt, "width": width}
+    if shaping == HIGH_PASS:
+        values = {"height": np.zeros(2), **values, "high_pass": np.ones(2)}
+        band, note = (0.0, 2 * middle), _CUT.format(middle, 1 / (2 * breadth))
+    else:
+        values = {"height": np.tanh(three[0] / 6) * 6, **values}
+        band, note = (middle * np.exp(-breadth), min(middle * np.exp(breadth), 0.5 / dt)), ""
+    return Effect("bump", _SURE, {}, values, {}, band, note)
 
 
 def _finite(kind: LowPass) -> str:

@@ -25,6 +25,7 @@ from ._state import (
     evidence,
     refit,
     resize,
+    take_bump,
 )
 from ._unknown import look_again
 
@@ -124,5 +125,4 @@ def _leftover(state: Investigation) -> None:
     found = _search.bumps(state.model, state.data) if state.unexplained is None else []
     if found and log_chance("bump", found[0].gain) < np.log(state.alarm):
         state.nearest = min(state.nearest, log_chance("bump", found[0].gain))
-        state.unexplained = found[0]
-        state.model = found[0].model
+        take_bump(state, found[0])

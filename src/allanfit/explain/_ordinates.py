@@ -25,8 +25,8 @@ _PADDING = 128
 # Distances from the Nyquist frequency [cycles per sample] between which bins are finer.
 _NEAR_NYQUIST = (0.05, 5e-4)
 _BINS_NEAR_NYQUIST = 24
-# What leaks comes at the ends of the record, where a tenth of the noise is a disturbance.
-_LEAST = 10.0
+#: What leaks comes at the ends of the record, where a tenth of the noise is a disturbance.
+LEAST = 10.0
 # Bins that a line fills at most.
 _NARROW = 5
 # Above this frequency [cycles per sample] the largest density says what the ends may leak.
@@ -213,7 +213,7 @@ def above_leakage(spectrum: Ordinates, bins: Bins) -> Ordinates:
     # What slow noise leaks is in `expected`.
     fast = frequency > _FAST
     broad = median_filter(density[fast], _NARROW, mode="nearest").max(initial=0.0)
-    faint = fast & (density < _LEAST * broad / spectrum.longest)
+    faint = fast & (density < LEAST * broad / spectrum.longest)
     # Each bin reaches half way to the next.
     middle = (frequency[1:] + frequency[:-1]) / 2
     low, high = np.append(0.0, middle), np.append(middle, 0.5)

@@ -112,7 +112,8 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     found = best(starts, data)
     means = [each for each in found if each.kinds.shaping == RUNNING_MEAN]
     free_ones = [each for each in found if each.kinds.shaping != RUNNING_MEAN]
-    return free_ones + sorted(means, key=lambda each: each.deviance)[:1]
+    found = free_ones + sorted(means, key=lambda each: each.deviance)[:1]
+    return [each for each in found if np.isfinite(each.deviance)]
 
 
 def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:

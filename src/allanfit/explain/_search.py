@@ -15,6 +15,7 @@ from ._structure import (
     DROOPING,
     EACH,
     FREE_FILTERS,
+    HIGH_PASS,
     RUNNING_MEAN,
     TERMS,
     WINDOWED,
@@ -39,8 +40,9 @@ _FAINT = 1e-4
 # Quality and relative width up to which they are usual, and the power with which they become rare.
 _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
 _RARER = 1.5
-# A filter with a window is looked for where another is of a higher order; its orders to begin with.
-_STEEP = 3.0
+# A filter with a window is looked for where another is of a higher order, or leaves so much
+# deviance a bin; its orders to begin with.
+_STEEP, _POOR = 3.0, 1.25
 _WINDOWS = (12.0, 36.0, 108.0)
 
 
@@ -126,11 +128,16 @@ def candidates(
         starts += _filtered(model, data)
     if model.kinds.shaping in FREE_FILTERS:
         starts += _drooping(model, data)
-    return _compare(starts, model, data)
+    found = _compare(starts, model, data)
+    strongest = max((each.gain for each in found), default=0.0)
+    return [
+        _sharper(each, model, data) if each.name == "low_pass" and each.gain == strongest else each
+        for each in found
+    ]
 
 
 def bumps(model: Model, data: Data) -> list[Candidate]:
-    """A smooth bump, where nothing of the catalogue helps."""
+    """A smooth bump, or a lack toward low frequency, where nothing of the catalogue helps."""
     if model.kinds.shaping is not None:
         return []
     starts = []
@@ -147,6 +154,10 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
             limits = bounds("bump", data.samples)
             three += [free(centre, *limits[0]), free(width, *limits[1])]
             starts.append(_shaping_start("bump", three, model))
+    limits = bounds(HIGH_PASS, data.samples)
+    for centre, width in itertools.product(np.geomspace(2 * low, high / 4, 8), (0.25, 0.5)):
+        three = [0.0, free(centre, *limits[0]), free(width, *limits[1])]
+        starts.append(("bump", *_shaping_start(HIGH_PASS, three, model)[1:]))
     return _compare(starts, model, data)
 
 
@@ -251,16 +262,33 @@ def _drooping(model: Model, data: Data) -> list[Start]:
     starts = []
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
-    steep = order > _STEEP and cutoff < 0.5
     for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
         theta = model.theta.copy()
         theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
         starts.append(("droop", model.kinds._replace(shaping=kind), theta))
-    for order in _WINDOWS if steep else ():
+    return starts + [("droop", *start) for start in _windowed(model, data)]
+
+
+def _windowed(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
+    """The filter that the model has, with an edge as steep as it asks for."""
+    three = model.theta[TERMS : TERMS + EACH]
+    cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
+    starts = []
+    for taps in _WINDOWS if (order > _STEEP or poor) and cutoff < 0.5 else ():
         theta = model.theta.copy()
-        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, order, data.samples)
-        starts.append(("droop", model.kinds._replace(shaping=WINDOWED), theta))
+        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, taps, data.samples)
+        starts.append((model.kinds._replace(shaping=WINDOWED), theta))
     return starts
+
+
+def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
+    """A filter, or at once the steeper one that it stands for: lines would be made of the rest."""
+    starts = _windowed(found.model, data) if found.model.kinds.filtering else []
+    steeper = min(best(starts, data), key=lambda each: each.deviance, default=None)
+    if steeper is None or steeper.deviance > found.model.deviance - PRICE:
+        return found
+    return Candidate(found.name, steeper, max(model.deviance - steeper.deviance, 0.0))
 
 
 def _shaping_start(name: str, three: list[float], model: Model) -> Start:

@@ -19,6 +19,7 @@ from ._lines import Peak
 from ._means import Course, Sized
 from ._ordinates import (
     LEAKAGE_GRID,
+    LEAST,
     Ordinates,
     above_leakage,
     bin_edges,
@@ -30,7 +31,18 @@ from ._ordinates import (
 )
 from ._search import Candidate, Model
 from ._spread import Contamination, Modulation, runs
-from ._structure import EACH, RUNNING_MEAN, TERMS, Data, shaped, sieve
+from ._structure import (
+    EACH,
+    HIGH_PASS,
+    RUNNING_MEAN,
+    TERMS,
+    WINDOWED,
+    Data,
+    end_leakage,
+    shape_of,
+    shaped,
+    sieve,
+)
 from ._whiten import level, whitened
 
 # Beside this part of the noise a code's width says nothing.
@@ -39,6 +51,8 @@ _FINE = 0.05
 _NEAR_ZERO = 0.002
 # Half the degrees of freedom of a bin whose density is known to a tenth.
 _MANY = 100.0
+# Part of the noise below which the shape of a steep edge is not known.
+_EDGE = 0.003
 # Share of a density that may have leaked.
 _LEAKED = 0.05
 # So many logs of rates for one of differences of an angle, among those with coarse codes.
@@ -288,11 +302,32 @@ def leave_leakage(state: Investigation) -> None:
         return 2 * np.exp(theta[1]) * np.asarray(gain)
 
     # By the filter alone: where ordinates were left out before, no bins say what is there.
-    least = _LEAKED * state.spectrum.longest * (passed(frequency) + float(state.data.foreign))
-    unclean = leakage(passed(LEAKAGE_GRID), frequency) > least
+    samples, density = state.spectrum.longest, passed(frequency) + float(state.data.foreign)
+    unclean = leakage(passed(LEAKAGE_GRID), frequency) > _LEAKED * samples * density
+    if kinds.shaping != RUNNING_MEAN:
+        # Of no other kind are the side lobes known, and of an edge each window makes its own.
+        least = _EDGE if kinds.shaping == WINDOWED else LEAST / samples
+        unclean |= density < least * density.max()
     bands = [(frequency[a], frequency[b - 1]) for a, b in runs(unclean)]
     state.spectrum = less_bands(state.spectrum, bands)
     finer_edges(state)
+
+
+def take_bump(state: Investigation, bump: Candidate) -> None:
+    """The structure with what has no name, without the ordinates that are no noise behind it."""
+    state.unexplained, state.model = bump, bump.model
+    if state.model.kinds.shaping != HIGH_PASS:
+        return
+    samples, frequency = state.data.samples, state.spectrum.frequency
+    three = state.model.theta[TERMS : TERMS + EACH]
+    gain = np.asarray(shaped(HIGH_PASS, three, points(frequency), samples)[2])
+    leaked = float(end_leakage(*shape_of(HIGH_PASS, three, samples))) / samples
+    clean = leaked < _LEAKED * gain
+    if clean.any():
+        # The gain rises: what the two ends leak lies below all that is clean.
+        slow = (0.0, float(frequency[np.argmax(clean)]))
+        state.spectrum = state.spectrum._replace(holes=(slow, *state.spectrum.holes))
+        finer_edges(state)
 
 
 def with_course(state: Investigation, course: Course) -> Sized:

@@ -40,6 +40,9 @@ DROOPING = tuple(_DROOPING + name for name in FREE_FILTERS)
 RUNNING_MEAN = "running_mean"
 #: Behind it too, with an edge as steep as a long response makes it.
 WINDOWED = "windowed_low_pass"
+#: What has no name: a bump about one frequency, or a lack toward zero.
+HIGH_PASS = "high_pass"
+UNNAMED = ("bump", HIGH_PASS)
 FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN, WINDOWED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
@@ -47,6 +50,8 @@ TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
 FLOOR = -60.0
+# The mean of two squared normal variates is above the exponential of this once in a hundred times.
+_TWO_ENDS = 1.6
 
 Theta = Float[Array, " parameters"] | Float[np.ndarray, " parameters"]
 
@@ -57,7 +62,7 @@ class Kinds(NamedTuple):
     Its parameters are the log powers of Q, N, B, K, then three numbers of each effect.
     """
 
-    #: One of `FILTERS`, "bump" or none.
+    #: One of `FILTERS`, of `UNNAMED`, or none.
     shaping: str | None = None
     #: Names of the added noises, in the order of their parameters.
     added: tuple[str, ...] = ()
@@ -71,6 +76,7 @@ class Kinds(NamedTuple):
     def names(self) -> tuple[str, ...]:
         """All effects by the names of the catalogue, what shapes first."""
         shaping = "low_pass" if self.filtering else self.shaping
+        shaping = "bump" if self.shaping in UNNAMED else shaping
         return (() if shaping is None else (shaping,)) + self.added
 
     @property
@@ -139,6 +145,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
+        HIGH_PASS: ((0.5 / samples, 0.3), (0.05, 0.9)),
     }[without_droop(name)]
 
 
@@ -207,10 +214,24 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
             passed = averaged(found.passed(jnp.asarray(nodes), 1.0))
             return passed, passed, jnp.ones_like(middle)
         return found.gain(middle, 1.0), found.passed(middle, 1.0), jnp.ones_like(middle)
-    if shaping == "bump":
-        bump = Bump(jnp.tanh(three[0] / 6) * 6, *shape_of("bump", three, samples))
-        return jnp.ones_like(middle), jnp.ones_like(middle), bump.gain(middle, 1.0)
+    if shaping in UNNAMED:
+        high_pass = shaping == HIGH_PASS
+        where = shape_of(shaping, three, samples)
+        gain = Bump(jnp.tanh(three[0] / 6) * 6, *where, high_pass=high_pass).gain(middle, 1.0)
+        if high_pass:
+            # Two ends leak it, and their squares are up to some times their mean.
+            gain += end_leakage(*where) / samples * jnp.exp(_TWO_ENDS * jnp.tanh(three[0]))
+        return jnp.ones_like(middle), jnp.ones_like(middle), gain
     return jnp.ones_like(middle), jnp.ones_like(middle), jnp.ones_like(middle)
+
+
+def end_leakage(frequency: Any, width: Any) -> Any:
+    """What the ends of a record behind a high-pass filter leak to frequencies near zero.
+
+    Over the density of white noise beyond the filter, times the samples: the integral of
+    |H|^2/sin^2(pi f) over all frequencies, by `_ordinates.leakage` at w = 0.
+    """
+    return 2 * width / (jnp.pi * frequency * jnp.sin(jnp.pi * width))
 
 
 def _gains(theta: Theta, kinds: Kinds, data: Data) -> tuple[Any, Any, Any]:

@@ -18,10 +18,10 @@ from ._climb import filter_slopes
 from ._held_out_values import of_swing
 from ._moving import Band, moving
 from ._ordinates import points
-from ._search import Candidate, Model
+from ._search import Model
 from ._spread import PULLED_IN
-from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, NARROW, TERMS, added_density, shape_of
+from ._state import Finding, Investigation, take_bump, whitened_piece
+from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -252,7 +252,7 @@ def _corner_moves(
 def _bump_instead(state: Investigation) -> None:
     """Whether a smooth bump describes the spectrum better than all that was named in it."""
     kinds = state.model.kinds
-    if not kinds.names or kinds.shaping == "bump":
+    if not kinds.names or kinds.shaping in UNNAMED:
         return
     if state.disowned & set(kinds.names) or state.disowned_noises:
         return
@@ -275,8 +275,7 @@ def _bump_instead(state: Investigation) -> None:
             finding.rivals["bump"] = own + rival - named
     if rival > named:
         state.findings = [f for f in state.findings if f.name not in kinds.names]
-        state.unexplained = Candidate("bump", bump.model, bump.gain)
-        state.model = bump.model
+        take_bump(state, bump)
 
 
 def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:

@@ -2,6 +2,8 @@
 
 from typing import ClassVar
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
@@ -15,16 +17,22 @@ class Bump(AbstractFilter):
 
     A description and no physics; a lack of noise has a negative height. The width is in e-folds
     of frequency.
+
+    A `high_pass` is the lack toward zero frequency that alternating-current coupling leaves, or a
+    mean that is estimated and taken off all the time: the density is multiplied by
+    1/(1 + (f_0/f)^(1/width)), a Butterworth filter of order 1/(2 width), whatever the height.
     """
 
     height: Float[Array, ""]
     frequency: Float[Array, ""]
     width: Float[Array, ""]
+    high_pass: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "bump"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("height", ""),
         Parameter("frequency", "Hz"),
         Parameter("width", ""),
+        Parameter("high_pass", ""),
     )
     what: ClassVar[str] = "a bump or dip of the noise about one frequency"
     origin: ClassVar[str] = "nothing that the catalogue has a name for"
@@ -34,8 +42,10 @@ class Bump(AbstractFilter):
         return self.passed(frequency, dt)
 
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
-        """exp(height exp(-ln(f/f_0)^2/(2 width^2)))."""
+        """The same, as no noise of the bump's own folds."""
         distance = jnp.log(jnp.maximum(frequency / self.frequency, 1e-18)) / self.width
+        if self.high_pass:
+            return jax.nn.sigmoid(distance)
         return jnp.exp(self.height * jnp.exp(-(distance**2) / 2))
 
     def apply(

@@ -58,7 +58,7 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 # Parameters that are arrays, by their number of axes.
 _AXES = {"times": 1, "heights": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
-_FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed"}
+_FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass"}
 _SIGNED = {"amplitude", "height", "sensitivity", "coefficient", "droop"}
 # Of the others, those that may be zero or must not be large.
 _RANGES = {

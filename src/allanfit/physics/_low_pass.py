@@ -19,9 +19,11 @@ _ALIASES = 16
 _NEWTON = 7
 # For that integral where there is no series, Gauss-Legendre nodes on (0, 1).
 _NODES, _WEIGHTS = (np.polynomial.legendre.leggauss(10) + np.array([[1.0], [0.0]])) / 2
-# Of a window of one sample like Hamming's: the deviation, in cycles a sample, of the normal density
-# nearest to its transform (|H| within 0.01 for 31 to 101 taps), and where its integral is 0.5^0.5.
-_SPREAD, _HALF_POWER = 0.717, 0.5450
+# The edge of a window of one sample like Hamming's is the normal integral at u + _TAIL u^3, with u
+# the distance from its middle over so many cycles a sample, and 0.5^0.5 there at the third number.
+# Power is within 2 % down to a five-hundredth, and within 5 % of that of Kaiser's and Blackman's
+# windows of another length.
+_SPREAD, _TAIL, _HALF_POWER = 0.746, 0.029, 0.5404
 # What a window lets pass far beyond the edge.
 _SIDE_LOBES = 1e-9
 # A peak is no higher than the root of this.
@@ -50,7 +52,8 @@ class LowPass(AbstractFilter):
 
     A `windowed` filter is digital and of finite response: a sinc under a window like Hamming's, as
     long as the order plus one samples, whose edge is the integral of the window's transform. The
-    window stands for others by its width; here it is normal.
+    window stands for others by its width; here it is normal. It decimates, and the first image of
+    white noise folds.
     """
 
     cutoff_frequency: Float[Array, ""]
@@ -114,9 +117,11 @@ class LowPass(AbstractFilter):
         at, cutoff = jnp.abs(frequency), self.cutoff_frequency
         if self.windowed:
             spread = _SPREAD / (self.order + 1) / dt
-            edge = cutoff / spread + _HALF_POWER
-            fallen = log_ndtr(edge - at / spread) - log_ndtr(edge)
-            return jnp.exp(2 * fallen) + _SIDE_LOBES
+            # Such filters decimate, and what passes above half the rate of what they leave folds.
+            still, once, folded = (
+                _edge((cutoff - f) / spread + _HALF_POWER) for f in (0.0 * at, at, 1 / dt - at)
+            )
+            return jnp.exp(2 * (once - still)) + jnp.exp(2 * (folded - still)) + _SIDE_LOBES
         if self.digital:
             at, cutoff = (jnp.tan(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
         # Zero frequency has no logarithm; this one, in cut-off frequencies, passes as well.
@@ -154,6 +159,13 @@ class LowPass(AbstractFilter):
         ratio = jnp.exp(-power * jnp.log(edge / self.cutoff_frequency))
         terms = ((-1) ** (k + 1) * ratio**k / (k * power - 1) for k in range(1, 7))
         return edge * sum(terms, jnp.zeros_like(edge))
+
+
+def _edge(at: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
+    """Logarithm of |H| at so many widths from the middle of a steep edge."""
+    # Further out there is nothing, whose cube would overflow.
+    at = jnp.clip(at, -30.0, 30.0)
+    return log_ndtr(at + _TAIL * at**3)
 
 
 def running_mean_gain(
