@@ -31,6 +31,8 @@ _ROOM_PERIOD_S = 240.0
 # What is certain from the values alone is still only as certain as this.
 _SURE = 0.99
 _LINE = 0.97
+# So many times of a line are told.
+_MOST_TIMES = 3
 _LIKELY_ROOM = 0.75
 _CUT = (
     "noise is missing below {:.3g} Hz, as behind a high-pass filter of order {:.2g}: alternating-"
@@ -136,7 +138,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             middle, half = float(np.median(first)) / dt, float(np.median(first / second)) / 2 / dt
             values = {"sigma": size, "frequency": first / dt, "quality_factor": second}
             band = (max(middle - 2 * half, 0.0), middle + 2 * half)
-            found.append(Effect(name, own, others, values, {}, band))
+            found.append(Effect(name, own, others, values, {}, band, _when(state, dt)))
         elif name == "power_law":
             density = np.exp(three[0]) * dt ** (1 - first)
             found.append(
@@ -150,8 +152,17 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt
             values = {"amplitude": size, "frequency": first / dt, "width": first * second / dt}
             band = (middle - 2 * width, middle + 2 * width)
-            found.append(Effect("drifting_line", own, others, values, {}, band))
+            found.append(Effect("drifting_line", own, others, values, {}, band, _when(state, dt)))
     return found
+
+
+def _when(state: Investigation, dt: float) -> str:
+    """When the only line was stronger than at other times, if it was."""
+    if not state.line_times or len(set(state.model.kinds.added) & set(NARROW)) != 1:
+        return ""
+    times = [f"from {a * dt:.5g} to {b * dt:.5g} s" for a, b in state.line_times[:_MOST_TIMES]]
+    more = len(state.line_times) - len(times)
+    return ", mostly " + ", ".join(times) + (f" and {more} times more" if more else "")
 
 
 def _unnamed(shaping: str, three, samples, dt: float) -> Effect:

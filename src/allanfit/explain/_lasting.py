@@ -17,6 +17,7 @@ from ._state import (
     evidence,
     rebin,
     refit,
+    resize,
     whitened_piece,
     with_course,
 )
@@ -114,6 +115,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
         state.spectrum = state.spectrum._replace(dilution=dilution)
         state.foreign += added
+        state.loud_variance = added
         state.findings.append(
             Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
         )
@@ -142,6 +144,18 @@ def about_spread(state: Investigation, seed: int) -> bool:
     if loud or state.contamination is not None:
         refit(state)
     return False
+
+
+def forget_loud_times(state: Investigation) -> None:
+    """Take them back: what was stronger then is not the noise."""
+    state.modulation = None
+    state.foreign -= state.loud_variance
+    state.loud_variance = 0.0
+    state.spectrum = state.spectrum._replace(dilution=1.0)
+    state.findings = [each for each in state.findings if each.name != "variance_modulation"]
+    state.gains.pop("variance_modulation", None)
+    rebin(state) if state.sized is None else resize(state)
+    refit(state)
 
 
 def _knock(

@@ -243,7 +243,7 @@ def _smooth_options(state: Investigation) -> list[Option]:
             )
 
         worth = score(candidate.name, candidate.gain)
-        if candidate.name in NARROW:
+        if candidate.name in (*NARROW, "gauss_markov"):
             worth += rarity(candidate.model, state.data)
         chance = log_chance(candidate.name, candidate.gain)
         options.append(Option(candidate.name, chance, candidate.gain, worth, take))

@@ -102,8 +102,10 @@ class Investigation:
     contamination: Contamination | None = None
     modulation: Modulation | None = None
     knocks: list[tuple[int, int]] = field(default_factory=list)
-    #: Variance of white noise that does not belong to N: of spikes and loud times, and of codes.
+    #: Variance of white noise that does not belong to N: of spikes and loud times, of the latter
+    #: alone, and of codes.
     foreign: float = 0.0
+    loud_variance: float = 0.0
     rounding: float = 0.0
     #: The probability that codes are those of the rate, and not of an angle.
     rate_rounded: float = 1.0
@@ -121,6 +123,8 @@ class Investigation:
     disowned_lines: list[float] = field(default_factory=list)
     #: Which of the model's added noises are lines that wander, whatever their shape.
     wandering: set[int] = field(default_factory=set)
+    #: When a line was stronger than at other times, as `[start, stop)`, if it was.
+    line_times: list[tuple[int, int]] = field(default_factory=list)
     #: Samples of the log for each of `values`.
     stride: float = 1.0
 

@@ -16,10 +16,11 @@ from ._chance import score
 from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
 from ._climb import filter_slopes
 from ._held_out_values import of_swing
+from ._lasting import forget_loud_times
 from ._moving import Band, moving
 from ._ordinates import points
 from ._search import Model
-from ._spread import PULLED_IN
+from ._spread import PULLED_IN, runs, uneven
 from ._state import Finding, Investigation, take_bump, whitened_piece
 from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of
 
@@ -55,6 +56,8 @@ class Unknown(NamedTuple):
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
     white = whitened_piece(state, state.longest, model_only=True)
+    if _only_lines_were_loud(state, white):
+        white = whitened_piece(state, state.longest, model_only=True)
     _combs(state)
     _sweeps(state, white)
     _turns(state)
@@ -62,6 +65,23 @@ def look_again(state: Investigation) -> None:
     _swing(state, broad)
     _other_spectrum(state, broad)
     _bump_instead(state)
+
+
+def _only_lines_were_loud(state: Investigation, white: Float[np.ndarray, " samples"]) -> bool:
+    """Whether the noise beside lines and resonances lasts, though the record is louder at times.
+
+    It is taken for lasting noise then: less of it would be left if it were counted out twice.
+    """
+    drivers = {course.name for course in state.courses}
+    narrow = any(_narrow(state)) or state.peaks
+    if state.modulation is None or not narrow or "vibration_rectification" in drivers:
+        return False
+    if uneven(_broad(state, white))[0] < state.alarm:
+        return False
+    start = state.longest[0]
+    state.line_times = [(start + a, start + b) for a, b in runs(state.modulation.loud)]
+    forget_loud_times(state)
+    return True
 
 
 def _combs(state: Investigation) -> None:

@@ -31,11 +31,11 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "drifting_line": lambda: (
             f"A line of amplitude {told('amplitude')} whose frequency wanders by "
-            f"{told('width')} about {told('frequency')}."
+            f"{told('width')} about {told('frequency')}{effect.note}."
         ),
         "resonance": lambda: (
             f"A resonance of {told('sigma')} rms at {told('frequency')} with a quality factor of "
-            f"{told('quality_factor')}."
+            f"{told('quality_factor')}{effect.note}."
         ),
         "low_pass": lambda: (
             f"A low-pass filter at {told('cutoff_frequency')}"
