@@ -60,6 +60,29 @@ def test_a_high_pass_filter_is_known_by_what_it_leaves(tmp_path, noise):
     assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.03)
 
 
+def test_somebody_who_leans_on_the_table_is_a_disturbance(tmp_path, noise):
+    """Little louder for eight seconds, and tilted: no step up and down, and nothing rectified."""
+    inside = (TIME > 300) & (TIME < 308)
+    channel = explained(tmp_path, noise + inside * (0.025 + 0.03 * np.sin(2 * np.pi * 1.1 * TIME)))
+    (effect,) = channel["effects"]
+    assert effect["name"] == "disturbance"
+    ((start, stop),) = effect["parameters"]["intervals"]["value"]
+    assert 280 < start < 301
+    assert 307 < stop < 328
+
+
+def test_a_line_that_begins_late_is_no_change_of_the_noise(tmp_path, noise):
+    """Its wander is a bounded walk of 0.05 Hz rms; it has 0.7 times the power of the noise."""
+    rng = np.random.default_rng(1)
+    wander = lfilter([1.0], [1, -0.999], rng.standard_normal(SAMPLES)) * 0.05 * 0.002**0.5
+    phase = 2 * np.pi * np.cumsum(11.3 + wander) / RATE
+    channel = explained(tmp_path, noise + 0.04 * (TIME > 400) * np.cos(phase))
+    assert {effect["name"] for effect in channel["effects"]} <= {"drifting_line", "resonance"}
+    assert any("mostly from" in effect["sentence"] for effect in channel["effects"])
+    # The standard error is 0.5 %; taken out twice, N was 10 % too small.
+    assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.02)
+
+
 def test_harmonics_and_strangers_are_no_comb():
     assert _even([0.1, 0.1004, 0.1008, 0.1016], SAMPLES)
     assert not _even([0.1, 0.1004, 0.1011, 0.1016], SAMPLES)

@@ -13,7 +13,7 @@ from ..physics import Sampling
 from . import _search
 from ._chance import log_chance
 from ._clock import fresh_values
-from ._lasting import about_spread, loudness, without
+from ._lasting import about_spread, loudness, moved_while_loud, without
 from ._rounds import take_one, take_strong_lines
 from ._state import (
     Finding,
@@ -67,24 +67,14 @@ def investigate(
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
     about_format(state)
     take_strong_lines(state)
-    knocked = about_spread(state, seed)
-    if knocked:
-        cut = without(pieces, state.knocks)
-        later = begin(values, cut, sampling, power, alarm)
-        later.findings, later.knocks = state.findings, state.knocks
-        later.witnesses, later.gains = state.witnesses, state.gains
-        later.stride = state.stride
-        state = later
-        about_format(state)
-        take_strong_lines(state)
-        about_spread(state, seed)
+    if about_spread(state, seed):
+        state = _without_knocks(state, values, pieces, power, seed)
+    _take_all(state, drivers)
+    if moved_while_loud(state, seed):
+        state = _without_knocks(state, values, pieces, power, seed)
+        _take_all(state, drivers)
     if lost > 0:
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
-    if state.modulation is not None and state.contamination is None:
-        drivers["vibration_rectification"] = loudness(state)
-    for _ in range(_MOST_ROUNDS):
-        if not take_one(state, drivers):
-            break
     if about_angle(state):
         refit(state)
     _reconsider(state)
@@ -92,6 +82,34 @@ def investigate(
     _leftover(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
+
+
+def _without_knocks(
+    state: Investigation,
+    values: Float[np.ndarray, " samples"],
+    pieces: tuple[tuple[int, int], ...],
+    power: Float[np.ndarray, " terms"],
+    seed: int,
+) -> Investigation:
+    """The investigation of the values begun again, without some intervals."""
+    cut = without(pieces, state.knocks)
+    later = begin(values, cut, state.sampling, power, state.alarm)
+    later.findings, later.knocks = state.findings, state.knocks
+    later.witnesses, later.gains = state.witnesses, state.gains
+    later.stride = state.stride
+    about_format(later)
+    take_strong_lines(later)
+    about_spread(later, seed)
+    return later
+
+
+def _take_all(state: Investigation, drivers: dict[str, Float[np.ndarray, "samples columns"]]):
+    """Rounds, until nothing is left that is needed."""
+    if state.modulation is not None and state.contamination is None:
+        drivers = {**drivers, "vibration_rectification": loudness(state)}
+    for _ in range(_MOST_ROUNDS):
+        if not take_one(state, drivers):
+            break
 
 
 def _reconsider(state: Investigation) -> None:

@@ -167,13 +167,36 @@ def _knock(
 ) -> None:
     """The loud times are a disturbance, to be cut out with a margin."""
     pulled = changing.window * _MARGIN
-    state.knocks = [
-        (piece[0] + max(a - pulled, 0), piece[0] + min(b + pulled, changing.loud.size))
-        for a, b in runs(changing.loud)
-    ]
+    # With their margins some may be one.
+    cut = np.zeros(changing.loud.size, bool)
+    for a, b in runs(changing.loud):
+        cut[max(a - pulled, 0) : b + pulled] = True
+    state.knocks = [(piece[0] + a, piece[0] + b) for a, b in runs(cut)]
     log_p = float(np.log(max(changing.p_value, 1e-300)))
     state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
     state.gains["disturbance"] = of_times(white, changing.loud)
+
+
+def moved_while_loud(state: Investigation, seed: int) -> bool:
+    """Whether the mean is another one in the brief times that are loud.
+
+    The sensor was moved then, however little louder it is. If so these times have to be cut out.
+    """
+    changing, piece = state.modulation, state.longest
+    if changing is None or state.knocks or changing.loud.mean() > _BRIEF_SHARE:
+        return False
+    loud = np.zeros(state.values.size, bool)
+    for a, b in runs(changing.loud):
+        loud[piece[0] + max(a - changing.window, 0) : piece[0] + b + changing.window] = True
+    steps = [round(course.shape["time"]) for course in state.courses if course.name == "step"]
+    rectified = any(course.name == "vibration_rectification" for course in state.courses)
+    if not (rectified or steps) or not all(loud[min(at, loud.size - 1)] for at in steps):
+        return False
+    # What else was found is found again without them, but for a clock of the sensor's own.
+    state.findings = [each for each in state.findings if each.name == "sample_hold"]
+    state.gains.clear()
+    _knock(state, piece, changing, whitened_piece(state, piece), seed)
+    return True
 
 
 def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
