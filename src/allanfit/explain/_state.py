@@ -254,9 +254,11 @@ def _rate_is_rounded(state: Investigation) -> float:
     alike = _ROUGH + 2 * np.exp(-2 * (np.pi * move) ** 2)
     deviation = float(np.hypot(np.sqrt(covariance[0, 0]), alike))
     score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
-    vague = 0.5 * np.exp(-_search.rise_without(0, model, state.data) / 2)
-    vague += 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
-    return float(_RATES * vague / (_RATES * vague + np.exp(-(score**2) / 2)))
+    absent = _search.rise_without(0, model, state.data)
+    # Between what was fitted and none at all nothing is worse than none.
+    misfit = min(score**2, absent) if score > 0 else score**2
+    vague = 0.5 * np.exp(-absent / 2) + 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
+    return float(_RATES * vague / (_RATES * vague + np.exp(-misfit / 2)))
 
 
 def refit(state: Investigation) -> None:
