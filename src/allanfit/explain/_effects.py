@@ -75,6 +75,7 @@ def _unknown(unknown: Unknown, dt: float) -> Effect:
     band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
     draws = {name: np.full(2, value) for name, value in values.items()}
     note = unknown.why + (f", every {unknown.period * dt:.4g} s" if unknown.period else "")
+    note += f"; {unknown.like}" if unknown.like else ""
     return Effect("bump", _LINE, {}, draws, {}, band, note, unknown.in_time)
 
 

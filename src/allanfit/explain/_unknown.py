@@ -51,6 +51,8 @@ class Unknown(NamedTuple):
     period: float = 0.0
     #: Whether it shows in time alone.
     in_time: bool = False
+    #: What makes such things.
+    like: str = ""
 
 
 def look_again(state: Investigation) -> None:
@@ -324,7 +326,8 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         state.findings.append(Finding("bump", log_p, 0.0))
         state.gains["bump"] = of_swing(white, period)
         why = "the strength of the noise swings"
-        state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True))
+        like = "interpolation to another rate does so"
+        state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True, like=like))
 
 
 def _broad(
