@@ -136,6 +136,8 @@ def test_a_sensor_with_a_clock_of_its_own_is_explained(tmp_path):
     assert set(effects) == {"sample_hold", "sinusoid"}
     assert effects["sample_hold"]["repeat"]["value"] == pytest.approx(repeat, abs=1e-4)
     assert effects["sample_hold"]["regular"]["value"] == 1
+    (sentence,) = [e["sentence"] for e in found["effects"] if e["name"] == "sample_hold"]
+    assert f"N is {np.sqrt(repeat):.3g} times as large" in sentence
     low, high = effects["sinusoid"]["frequency"]["intervals"]["0.95"]
     assert low < 7.0 < high
     low, high = found["coefficients_after"]["N"]["intervals"]["0.95"]

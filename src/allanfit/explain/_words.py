@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from ._effect import Effect
 from ._lasting import USUAL
 
@@ -80,7 +82,8 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"Each fresh value is repeated, {told('repeat')} samples of it on average: the sensor "
             + (f"measures by a clock of its own, at {effect.note}, and " if effect.note else "")
             + "is read faster than it measures. N is that of the fresh values at the rate of the "
-            "log; a filter that takes all samples meets a larger white noise at low frequency."
+            "log; at low frequency, which is what a data sheet means and a filter that takes all "
+            f"samples meets, N is {_held(shown):.3g} times as large."
         ),
         "saturation": lambda: (
             f"The output is clipped at {told('limit')}, which hides part of the noise."
@@ -110,6 +113,16 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
     }
     return sentences[effect.name]()
+
+
+def _held(shown: Parameters) -> float:
+    """N at low frequency over N of the fresh values at the rate of the log.
+
+    Held by a clock r samples long, noise has r times its density there; held with chance p, it has
+    (1 + p)/(1 - p) times, where r = 1/(1 - p).
+    """
+    repeat = float(shown["repeat"]["value"])
+    return float(np.sqrt(repeat if "regular" in shown else 2 * repeat - 1))
 
 
 def _height(shown: Parameters) -> float:
