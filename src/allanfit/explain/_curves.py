@@ -9,6 +9,7 @@ from ..identify import Fit
 from ..identify._curves_document import curves_document, listed
 from ._clock import logged_density
 from ._effect import Effect
+from ._means import fallen
 from ._search import mean_density
 from ._state import Investigation
 from ._structure import effects_density
@@ -123,7 +124,7 @@ def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
         density = np.exp(np.interp(np.log(f), np.log(frequency), mean))
         # Below the record's lowest frequency flicker and random walk go on as they are.
         slow = power[3] / (2 * np.pi**2 * f**2) + power[2] / (np.pi * f)
-        least = np.exp(mean[0])
+        least = np.exp(mean[0]) * fallen(state.model, data, f, first)
         return np.where(f < first, np.minimum(slow + least, 1e3 * least), density)
 
     stride = state.stride

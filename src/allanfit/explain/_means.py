@@ -14,9 +14,9 @@ from jaxtyping import Float
 from scipy.signal import lfilter
 
 from ._climb import log_scatter
-from ._ordinates import Ordinates, amplitudes, binned
+from ._ordinates import Ordinates, amplitudes, binned, points
 from ._search import Model, best, mean_density, rescaled
-from ._structure import Data
+from ._structure import EACH, HIGH_PASS, TERMS, Data, shaped
 
 _ROUNDS = 3
 
@@ -71,7 +71,21 @@ def ordinate_variance(
     mean = mean_density(model, data)[data.bins.used]
     frequency = data.bins.frequency[data.bins.used]
     # Between the middles of bins in the logarithm; a power law is a straight line there.
-    return np.exp(np.interp(np.log(spectrum.frequency), np.log(frequency), np.log(mean)))
+    found = np.exp(np.interp(np.log(spectrum.frequency), np.log(frequency), np.log(mean)))
+    return found * fallen(model, data, spectrum.frequency, float(frequency[0]))
+
+
+def fallen(
+    model: Model, data: Data, frequency: Float[np.ndarray, " _"], first: float
+) -> Float[np.ndarray, " _"]:
+    """What a high-pass filter leaves below the first bin, as a part of what it leaves there."""
+    part = np.ones(frequency.size)
+    if model.kinds.shaping == HIGH_PASS:
+        three, below = model.theta[TERMS : TERMS + EACH], frequency < first
+        at = points(np.append(frequency[below], first))
+        gain = np.asarray(shaped(HIGH_PASS, three, at, data.samples)[2])
+        part[below] = gain[:-1] / gain[-1]
+    return part
 
 
 def size_up(
