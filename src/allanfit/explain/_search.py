@@ -288,7 +288,9 @@ def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     """A filter, or at once the steeper one that it stands for: lines would be made of the rest."""
     starts = _windowed(found.model, data) if found.model.kinds.filtering else []
     steeper = min(best(starts, data), key=lambda each: each.deviance, default=None)
-    if steeper is None or steeper.deviance > found.model.deviance - PRICE:
+    # What a resonance leaves is no matter of edges, and has its turn.
+    bins = np.count_nonzero(data.bins.used)
+    if steeper is None or steeper.deviance - bins > (found.model.deviance - bins) / 2:
         return found
     return Candidate(found.name, steeper, max(model.deviance - steeper.deviance, 0.0))
 
