@@ -32,6 +32,8 @@ from ._unknown import look_again
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008
 _MOST_ROUNDS = 10
+# What stays found when disturbances are cut out: these, and a clock of the sensor's own.
+_KEPT = ("disturbance", "sample_hold")
 # What changes when a course is taken back.
 _OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 
@@ -94,8 +96,10 @@ def _without_knocks(
     """The investigation of the values begun again, without some intervals."""
     cut = without(pieces, state.knocks)
     later = begin(values, cut, state.sampling, power, state.alarm)
-    later.findings, later.knocks = state.findings, state.knocks
-    later.witnesses, later.gains = state.witnesses, state.gains
+    # All else is found again, or was made by what is cut out now.
+    later.findings = [each for each in state.findings if each.name in _KEPT]
+    later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
+    later.knocks, later.witnesses = state.knocks, state.witnesses
     later.stride = state.stride
     about_format(later)
     take_strong_lines(later)
