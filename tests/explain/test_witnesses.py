@@ -5,8 +5,9 @@ import pytest
 
 from allanfit.explain._format import sample_format
 from allanfit.explain._lines import refine, scan
+from allanfit.explain._rounded import about_format
 from allanfit.explain._spread import contamination, modulation, runs, uneven
-from allanfit.explain._state import about_format, begin
+from allanfit.explain._state import begin
 from allanfit.explain._telegraph import two_levels
 
 SAMPLES = 40_000

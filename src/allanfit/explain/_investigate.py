@@ -14,18 +14,17 @@ from . import _search
 from ._chance import log_chance
 from ._clock import fresh_values
 from ._lasting import about_spread, loudness, moved_while_loud, without
+from ._leakage import take_bump
+from ._rounded import about_angle, about_format
 from ._rounds import take_one, take_strong_lines
 from ._state import (
     Finding,
     Investigation,
-    about_angle,
-    about_format,
     begin,
     drop_courses,
     evidence,
     refit,
     resize,
-    take_bump,
 )
 from ._unknown import look_again
 

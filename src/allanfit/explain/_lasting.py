@@ -9,7 +9,7 @@ from ._bursts import Burst, bursts
 from ._held_out_values import of_loud_times, of_spikes, of_times
 from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
-from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation, runs
+from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation, runs, widened
 from ._state import (
     Finding,
     Investigation,
@@ -17,7 +17,6 @@ from ._state import (
     evidence,
     rebin,
     refit,
-    resize,
     whitened_piece,
     with_course,
 )
@@ -157,7 +156,7 @@ def forget_loud_times(state: Investigation) -> None:
     state.spectrum = state.spectrum._replace(dilution=1.0)
     state.findings = [each for each in state.findings if each.name != "variance_modulation"]
     state.gains.pop("variance_modulation", None)
-    rebin(state) if state.sized is None else resize(state)
+    rebin(state)
     refit(state)
 
 
@@ -169,11 +168,8 @@ def _knock(
     seed: int,
 ) -> None:
     """The loud times are a disturbance, to be cut out with a margin."""
-    pulled = changing.window * _MARGIN
     # With their margins some may be one.
-    cut = np.zeros(changing.loud.size, bool)
-    for a, b in runs(changing.loud):
-        cut[max(a - pulled, 0) : b + pulled] = True
+    cut = widened(changing.loud, changing.window * _MARGIN)
     state.knocks = [(piece[0] + a, piece[0] + b) for a, b in runs(cut)]
     log_p = float(np.log(max(changing.p_value, 1e-300)))
     state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
@@ -188,12 +184,11 @@ def moved_while_loud(state: Investigation, seed: int) -> bool:
     changing, piece = state.modulation, state.longest
     if changing is None or state.knocks or changing.loud.mean() > _BRIEF_SHARE:
         return False
-    loud = np.zeros(state.values.size, bool)
-    for a, b in runs(changing.loud):
-        loud[piece[0] + max(a - changing.window, 0) : piece[0] + b + changing.window] = True
+    near = np.zeros(state.values.size + 1, bool)
+    near[piece[0] : piece[1]] = widened(changing.loud, changing.window)
     steps = [round(course.shape["time"]) for course in state.courses if course.name == "step"]
     rectified = any(course.name == "vibration_rectification" for course in state.courses)
-    if not (rectified or steps) or not all(loud[min(at, loud.size - 1)] for at in steps):
+    if not (rectified or steps) or not near[steps].all():
         return False
     _knock(state, piece, changing, whitened_piece(state, piece), seed)
     return True

@@ -9,6 +9,7 @@ from . import _means, _search
 from ._chance import course_score, log_chance, score
 from ._course_scan import propose, sharpened
 from ._lasting import loudness
+from ._leakage import leave_leakage
 from ._lines import Peak, Sine, line_log_chance, refine, scan
 from ._means import Course
 from ._search import Candidate, rarity
@@ -19,7 +20,6 @@ from ._state import (
     drop_courses,
     evidence,
     finer_edges,
-    leave_leakage,
     whitened_piece,
     with_course,
 )

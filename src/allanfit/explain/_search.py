@@ -262,8 +262,7 @@ def _filtered(model: Model, data: Data) -> list[Start]:
 def _drooping(model: Model, data: Data) -> list[Start]:
     """The filter that the model has, of another shape."""
     starts = []
-    three = model.theta[TERMS : TERMS + EACH]
-    cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    cutoff, order = _filter_shape(model, data)
     for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
         theta = model.theta.copy()
         theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
@@ -273,8 +272,7 @@ def _drooping(model: Model, data: Data) -> list[Start]:
 
 def _windowed(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     """The filter that the model has, with an edge as steep as it asks for."""
-    three = model.theta[TERMS : TERMS + EACH]
-    cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    cutoff, order = _filter_shape(model, data)
     poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
     starts = []
     for taps in _WINDOWS if (order > _STEEP or poor) and cutoff < 0.5 else ():
@@ -282,6 +280,13 @@ def _windowed(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
         theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, taps, data.samples)
         starts.append((model.kinds._replace(shaping=WINDOWED), theta))
     return starts
+
+
+def _filter_shape(model: Model, data: Data) -> tuple[float, float]:
+    """The cut-off [cycles per sample] and the order of the filter that the model has."""
+    three = model.theta[TERMS : TERMS + EACH]
+    cutoff, order = shape_of(model.kinds.shaping or "", three, data.samples)
+    return float(cutoff), float(order)
 
 
 def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:

@@ -9,56 +9,34 @@ import numpy as np
 from jaxtyping import Float
 
 from ..physics import Sampling
-from ..recording._checks import usable
 from . import _means, _search
 from ._chance import course_log_chance
-from ._climb import log_scatter
 from ._format import Format, sample_format
-from ._held_out_values import Gain, of_codes, of_rails
+from ._held_out_values import Gain
 from ._lines import Peak
 from ._means import Course, Sized
 from ._ordinates import (
-    LEAKAGE_GRID,
-    LEAST,
     Ordinates,
     above_leakage,
     bin_edges,
     binned,
-    leakage,
-    less_bands,
     ordinates,
-    points,
 )
 from ._search import Candidate, Model
-from ._spread import Contamination, Modulation, runs
+from ._spread import Contamination, Modulation
 from ._structure import (
     EACH,
-    HIGH_PASS,
     RUNNING_MEAN,
     TERMS,
-    WINDOWED,
     Data,
-    end_leakage,
-    shape_of,
-    shaped,
     sieve,
 )
 from ._whiten import level, whitened
 
-# Beside this part of the noise a code's width says nothing.
-_FINE = 0.05
 # Width of bins about a zero, as a part of its frequency.
 _NEAR_ZERO = 0.002
 # Half the degrees of freedom of a bin whose density is known to a tenth.
 _MANY = 100.0
-# Part of the noise below which the shape of a steep edge is not known.
-_EDGE = 0.003
-# Share of a density that may have leaked.
-_LEAKED = 0.05
-# So many logs of rates for one of differences of an angle, among those with coarse codes.
-_RATES = 3.0
-# How exactly that Q is expected, in the logarithm of its square.
-_ROUGH = 0.02
 
 
 @dataclass
@@ -203,64 +181,6 @@ def begin(
     )
 
 
-def about_format(state: Investigation) -> None:
-    """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
-    made = state.format
-    if made.repeat is not None:
-        state.name_once(Finding("sample_hold", made.repeat.log_p, 0.0, detail=made.repeat))
-        state.data = state.data._replace(repeat=made.repeat.samples)
-        rebin(state)
-    if made.coarse:
-        state.name_once(Finding("output_rounding", -1e3, 0.0))
-        state.gains["output_rounding"] = of_codes(usable(state.values, state.pieces), made.width)
-    if made.rails:
-        state.name_once(Finding("saturation", -1e3, 0.0))
-        state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
-    # Rounding is white noise behind any filter, however little.
-    state.rounding = made.width**2 / 12
-    about_angle(state)
-    refit(state)
-
-
-def about_angle(state: Investigation) -> bool:
-    """Codes of an angle are no rounding of the rate, since Q says it all; whether they are such.
-
-    If so the structure has to be fitted again.
-    """
-    state.rate_rounded = 1.0 if state.rounding == 0 else _rate_is_rounded(state)
-    if state.rate_rounded >= 0.5:
-        return False
-    state.rounding = 0.0
-    state.findings = [each for each in state.findings if each.name != "output_rounding"]
-    state.gains.pop("output_rounding", None)
-    return True
-
-
-def _rate_is_rounded(state: Investigation) -> float:
-    """The probability that codes are of the values logged, and not of what was differenced.
-
-    If an angle, or a velocity, is rounded and its differences are logged, Q is one code over
-    sqrt(12), and there is nothing else to add; rounding of the rate leaves Q as it is, mostly zero.
-    The two are compared by their evidence, all values of Q over ten e-folds being alike to the
-    latter, and zero as likely.
-    """
-    width, model = state.format.width, state.model
-    if width < _FINE * state.format.sigma or state.format.repeat is not None:
-        return 1.0
-    _, covariance = log_scatter(model.theta, model.kinds, state.data)
-    # Rounding an angle that moves by less than a code between samples is not quite white, and its
-    # errors correlate by about exp(-2 (pi s)^2), s being that move in codes.
-    move = np.exp(model.theta[1] / 2) / width
-    alike = _ROUGH + 2 * np.exp(-2 * (np.pi * move) ** 2)
-    deviation = float(np.hypot(np.sqrt(covariance[0, 0]), alike))
-    score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
-    absent = _search.rise_without(0, model, state.data)
-    # Between what was fitted and none at all nothing is worse than none.
-    misfit = min(score**2, absent) if score > 0 else score**2
-    vague = 0.5 * np.exp(-absent / 2) + 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
-    return float(_RATES * vague / (_RATES * vague + np.exp(-misfit / 2)))
-
-
 def refit(state: Investigation) -> None:
     """The present structure again, with what is known of white noise that is not N."""
     # Of all white noise something has to be left for N: coarse codes may hide the noise.
@@ -278,6 +198,9 @@ def refit(state: Investigation) -> None:
 
 def rebin(state: Investigation) -> None:
     """The present structure again, after the ordinates or the edges of the bins have changed."""
+    if state.sized is not None:
+        resize(state)
+        return
     bins = binned(state.left, state.edges)
     state.data = state.data._replace(bins=bins)
     state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
@@ -292,48 +215,7 @@ def finer_edges(state: Investigation) -> None:
         for zero in np.arange(1, taps / 2 + 0.1) / taps:
             pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
     state.edges = bin_edges(state.spectrum.longest, tuple(pairs))
-    rebin(state) if state.sized is None else resize(state)
-
-
-def leave_leakage(state: Investigation) -> None:
-    """Leave out what only the ends of the record leak to, beyond a filter that has been found.
-
-    What two ends leak is no noise of its own at each frequency: it would bend the filter.
-    """
-    kinds, theta = state.model.kinds, state.model.theta
-    three, frequency = theta[TERMS : TERMS + EACH], state.spectrum.frequency
-
-    def passed(at: Float[np.ndarray, " frequencies"]) -> Float[np.ndarray, " frequencies"]:
-        gain = shaped(kinds.shaping, three, points(at), state.data.samples)[1]
-        return 2 * np.exp(theta[1]) * np.asarray(gain)
-
-    # By the filter alone: where ordinates were left out before, no bins say what is there.
-    samples, density = state.spectrum.longest, passed(frequency) + float(state.data.foreign)
-    unclean = leakage(passed(LEAKAGE_GRID), frequency) > _LEAKED * samples * density
-    if kinds.shaping != RUNNING_MEAN:
-        # Of no other kind are the side lobes known, and of an edge each window makes its own.
-        least = _EDGE if kinds.shaping == WINDOWED else LEAST / samples
-        unclean |= density < least * density.max()
-    bands = [(frequency[a], frequency[b - 1]) for a, b in runs(unclean)]
-    state.spectrum = less_bands(state.spectrum, bands)
-    finer_edges(state)
-
-
-def take_bump(state: Investigation, bump: Candidate) -> None:
-    """The structure with what has no name, without the ordinates that are no noise behind it."""
-    state.unexplained, state.model = bump, bump.model
-    if state.model.kinds.shaping != HIGH_PASS:
-        return
-    samples, frequency = state.data.samples, state.spectrum.frequency
-    three = state.model.theta[TERMS : TERMS + EACH]
-    gain = np.asarray(shaped(HIGH_PASS, three, points(frequency), samples)[2])
-    leaked = float(end_leakage(*shape_of(HIGH_PASS, three, samples))) / samples
-    clean = leaked < _LEAKED * gain
-    if clean.any():
-        # The gain rises: what the two ends leak lies below all that is clean.
-        slow = (0.0, float(frequency[np.argmax(clean)]))
-        state.spectrum = state.spectrum._replace(holes=(slow, *state.spectrum.holes))
-        finer_edges(state)
+    rebin(state)
 
 
 def with_course(state: Investigation, course: Course) -> Sized:
@@ -377,11 +259,9 @@ def drop_courses(state: Investigation, gone: list[Course]) -> None:
     kept = [not _is_one_of(course, gone) for course in state.courses]
     state.courses = list(compress(state.courses, kept))
     state.moved = list(compress(state.moved, kept))
-    if state.courses:
-        resize(state)
-    else:
+    if not state.courses:
         state.sized = None
-        rebin(state)
+    rebin(state)
 
 
 def _is_one_of(one: object, many: Sequence[object]) -> bool:

@@ -75,9 +75,8 @@ class Kinds(NamedTuple):
     @property
     def names(self) -> tuple[str, ...]:
         """All effects by the names of the catalogue, what shapes first."""
-        shaping = "low_pass" if self.filtering else self.shaping
-        shaping = "bump" if self.shaping in UNNAMED else shaping
-        return (() if shaping is None else (shaping,)) + self.added
+        shapes = () if self.shaping is None else ("low_pass" if self.filtering else "bump",)
+        return shapes + self.added
 
     @property
     def filtering(self) -> bool:

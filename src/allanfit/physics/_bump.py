@@ -38,11 +38,11 @@ class Bump(AbstractFilter):
     origin: ClassVar[str] = "nothing that the catalogue has a name for"
 
     def gain(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
-        """The factor itself: it is about the noise as sampled."""
+        """The factor, aliases and all: it is about the noise as sampled."""
         return self.passed(frequency, dt)
 
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
-        """The same, as no noise of the bump's own folds."""
+        """The factor: what is sampled already does not fold."""
         distance = jnp.log(jnp.maximum(frequency / self.frequency, 1e-18)) / self.width
         if self.high_pass:
             return jax.nn.sigmoid(distance)

@@ -51,9 +51,9 @@ class LowPass(AbstractFilter):
     frequencies.
 
     A `windowed` filter is digital and of finite response: a sinc under a window like Hamming's, as
-    long as the order plus one samples, whose edge is the integral of the window's transform. The
-    window stands for others by its width; here it is normal. It decimates, and the first image of
-    white noise folds.
+    long as the order plus one samples, whose edge is the integral of the window's transform,
+    within 2 %. Hamming's window stands for others by its width. It decimates, and the first image
+    of white noise folds.
     """
 
     cutoff_frequency: Float[Array, ""]
