@@ -62,3 +62,36 @@ def cosine(series: np.ndarray) -> np.ndarray:
     spectrum = np.fft.rfft(np.concatenate([series, series[::-1]]))
     turn = np.exp(-1j * np.pi * np.arange(spectrum.size) / (2 * series.size))
     return (turn * spectrum).real / np.sqrt(2 * series.size)
+
+
+def test_a_shock_that_reaches_the_rails_is_a_disturbance():
+    """Two thirds of its samples stand at a rail, and none of the others."""
+    rng = np.random.default_rng(8)
+    values = rng.standard_normal(SAMPLES)
+    values[9000:10000] += 50 * rng.standard_normal(1000)
+    state = named(np.clip(values, -20, 20))
+    assert {finding.name for finding in state.findings} == {"saturation", "disturbance"}
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.02)
+    ((start, stop),) = state.knocks
+    assert start <= 9000
+    assert stop >= 10000
+
+
+def test_times_at_the_rail_are_cut_out():
+    """Tilted beyond its range four times, the sensor shows nothing then."""
+    rng = np.random.default_rng(9)
+    values = rng.standard_normal(SAMPLES)
+    starts = 6400 * np.arange(1, 5)
+    for start in starts:
+        values[start : start + 1600] += 30
+    state = named(np.minimum(values, 20))
+    assert [finding.name for finding in state.findings] == ["saturation"]
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.02)
+    edges = [0, *(edge for start in starts for edge in (start, start + 1600)), SAMPLES]
+    assert [edge for piece in state.pieces for edge in piece] == edges
+
+
+def test_of_a_record_at_its_rail_nothing_else_is_told():
+    rng = np.random.default_rng(10)
+    state = named(np.minimum(rng.standard_normal(SAMPLES) + 3, 1))
+    assert [finding.name for finding in state.findings] == ["saturation"]

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from allanfit.explain._format import sample_format
+from allanfit.explain._intervals import runs
 from allanfit.explain._lines import refine, scan
 from allanfit.explain._rounded import about_format
-from allanfit.explain._spread import contamination, modulation, runs, uneven
+from allanfit.explain._spread import contamination, modulation, uneven
 from allanfit.explain._state import begin
 from allanfit.explain._telegraph import two_levels
 

@@ -5,6 +5,7 @@ import pytest
 
 from allanfit.recording import load
 from allanfit.recording._checks import code_width, rails, split
+from allanfit.recording._frozen import frozen
 
 SIZE = 30_000
 
@@ -207,3 +208,35 @@ def test_the_code_width_of_any_samples(samples, width):
 def test_noise_that_wanders_far_has_no_codes():
     """Values that are evenly dense, without a step that would be wide for their range."""
     assert code_width(np.cumsum(np.random.default_rng(1).standard_normal(200_000))) < 0.01
+
+
+def test_frozen_samples_are_left_out(archive):
+    """A sensor that hangs, and a logger that fills up with zeros: the first of each is measured."""
+    samples = white() + 3
+    samples[5_000:5_200] = samples[5_000]
+    samples[20_000:21_000] = 0.0
+    recording = load(archive(data=samples))
+    assert recording.channels[0].stretches == ((0, 5_001), (5_200, 20_001), (21_000, SIZE))
+    (told,) = recording.channels[0].findings
+    assert told.startswith("Left out as frozen: 1198 samples in 2 runs (12 s) repeat one value")
+
+
+def slow(samples: np.ndarray, codes: float) -> np.ndarray:
+    """A drift of a few codes beside little noise: each code lasts."""
+    return rounded(drift() + 0.02 * samples, codes)
+
+
+@pytest.mark.parametrize(
+    "samples",
+    [
+        np.repeat(white()[:300], 100),
+        white()[np.cumsum(np.random.default_rng(5).random(SIZE) < 0.04)],
+        slow(white(), 0.2),
+        rounded(white(), 4.0),
+        np.clip(white() + 4 * np.sin(np.arange(SIZE) / 3000), -3, 3),
+        drift()[SIZE // 2] + np.where(np.arange(SIZE) < 60, 0, white()),
+    ],
+    ids=["held by a clock", "held at random", "slow", "coarse", "at rails", "briefly"],
+)
+def test_what_repeats_for_another_reason_is_not_frozen(samples):
+    assert not frozen(samples).any()

@@ -95,6 +95,9 @@ def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best)
     used = usable(state.values, state.pieces)
     middle, limit = float(np.median(used)), float(np.max(np.abs(rails)))
     reach = abs(limit - middle) if len(rails) == 1 else float(np.ptp(rails)) / 2
+    if middle in rails:
+        # Most of it is lost.
+        return
     sides = len(rails)
     share = min(max(state.format.clipped, 1e-9), 0.98)
     sigma = reach / norm.isf(share / sides)

@@ -7,10 +7,10 @@ import numpy as np
 from ..physics import LowPass
 from . import _means
 from ._effect import Effect
+from ._intervals import runs
 from ._line_parts import merged
 from ._ordinates import points
 from ._posterior import Draws
-from ._spread import runs
 from ._state import Finding, Investigation
 from ._structure import (
     DROOPING,

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import binom
 
-from ..recording._checks import code_width, rails, repeated, usable
+from ..recording._checks import code_width, local_deviation, rails, repeated, usable
+from ._intervals import runs
 
 # A code this wide beside the local noise adds 0.5 % to its variance, and an engineer should know.
 _COARSE = 0.25
@@ -15,6 +16,8 @@ _DISCRETE = 0.5
 # Log of a chance below which chances are all alike.
 _SURE = -1e4
 _WINDOW = 64
+# Windows with as many samples at a rail show no noise, and with as many it is cut.
+_STUCK, _CUT = 0.9, 0.1
 
 
 @dataclass(frozen=True)
@@ -55,13 +58,31 @@ def sample_format(
     """Look at the values of all stretches [u]."""
     used = usable(values, pieces)
     width = code_width(used)
-    windows = used[: used.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
-    sigma = float(np.median((windows - windows[:, :1]).std(axis=1)))
+    sigma = local_deviation(used)
     whole = sigma or float(np.std(used))
     coarse, discrete = (width > part * whole for part in (_COARSE, _DISCRETE))
     ends = () if width > 0.75 * whole else rails(used, width)
     clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
     return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(used, ends, width))
+
+
+def stuck(
+    values: Float[np.ndarray, " samples"], pieces: tuple[tuple[int, int], ...], made: Format
+) -> list[tuple[int, int]]:
+    """`[start, stop)` of times at a rail, from where noise is cut to where it is whole again."""
+    if not made.rails:
+        return []
+    found = []
+    for start, stop in pieces:
+        count = (stop - start) // _WINDOW
+        windows = np.isin(values[start : start + count * _WINDOW], made.rails)
+        share = windows.reshape(count, _WINDOW).mean(axis=1)
+        found += [
+            (start + a * _WINDOW, start + b * _WINDOW if b < count else stop)
+            for a, b in runs(share > _CUT)
+            if np.any(share[a:b] > _STUCK)
+        ]
+    return found
 
 
 def _repeat(

@@ -5,15 +5,20 @@ is normal; then lines, courses in time and smooth effects of the spectrum, in ro
 taking what is least likely to be chance, until nothing is left that is.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 
 from ..curves import unit_scale
 from ..physics import Sampling
+from ..recording._checks import usable
 from . import _search
 from ._chance import log_chance
 from ._clock import fresh_values
-from ._lasting import about_spread, loudness, moved_while_loud, without
+from ._format import stuck
+from ._intervals import cut_out
+from ._lasting import about_spread, loudness, moved_while_loud
 from ._leakage import take_bump
 from ._rounded import about_angle, about_format
 from ._rounds import take_one, take_strong_lines
@@ -31,8 +36,10 @@ from ._unknown import look_again
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008
 _MOST_ROUNDS = 10
-# What stays found when disturbances are cut out: these, and a clock of the sensor's own.
-_KEPT = ("disturbance", "sample_hold")
+# What stays found when times are cut out.
+_KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples")
+# Of a record that stands at its rails for long, the least part beside that is looked into.
+_FREE = 0.5
 # What changes when a course is taken back.
 _OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 
@@ -66,16 +73,24 @@ def investigate(
     if fresh is not None:
         state.stride = stride
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
-    about_format(state)
-    take_strong_lines(state)
-    if about_spread(state, seed):
-        state = _without_knocks(state, values, pieces, power, seed)
-    _take_all(state, drivers)
-    if moved_while_loud(state, seed):
-        state = _without_knocks(state, values, pieces, power, seed)
-        _take_all(state, drivers)
     if lost > 0:
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
+    about_format(state)
+    times = stuck(values, pieces, state.format)
+    free = cut_out(pieces, times)
+    if sum(b - a for a, b in free) < _FREE * sum(b - a for a, b in pieces):
+        # Between so much that shows nothing, what is left is not the noise either.
+        state.nearest = min(finding.log_p for finding in state.findings)
+        return state
+    if times:
+        state = _begin_again(state, free, power)
+    take_strong_lines(state)
+    if about_spread(state, seed):
+        state = _without_knocks(state, power, seed)
+    _take_all(state, drivers)
+    if moved_while_loud(state, seed):
+        state = _without_knocks(state, power, seed)
+        _take_all(state, drivers)
     if about_angle(state):
         refit(state)
     _reconsider(state)
@@ -86,23 +101,30 @@ def investigate(
 
 
 def _without_knocks(
-    state: Investigation,
-    values: Float[np.ndarray, " samples"],
-    pieces: tuple[tuple[int, int], ...],
-    power: Float[np.ndarray, " terms"],
-    seed: int,
+    state: Investigation, power: Float[np.ndarray, " terms"], seed: int
 ) -> Investigation:
-    """The investigation of the values begun again, without some intervals."""
-    cut = without(pieces, state.knocks)
-    later = begin(values, cut, state.sampling, power, state.alarm)
+    """The investigation begun again, without some intervals."""
+    later = _begin_again(state, cut_out(state.pieces, state.knocks), power)
+    take_strong_lines(later)
+    about_spread(later, seed)
+    return later
+
+
+def _begin_again(
+    state: Investigation, pieces: tuple[tuple[int, int], ...], power: Float[np.ndarray, " terms"]
+) -> Investigation:
+    """Only the stretches `pieces` of the values, with what is known of how they were made."""
+    later = begin(state.values, pieces, state.sampling, power, state.alarm)
     # All else is found again, or was made by what is cut out now.
     later.findings = [each for each in state.findings if each.name in _KEPT]
     later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
     later.knocks, later.witnesses = state.knocks, state.witnesses
     later.stride = state.stride
+    # Where the output keeps clear of its rails they are no less there.
+    rails = state.format.rails
+    clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))
+    later.format = replace(later.format, rails=rails, clipped=clipped)
     about_format(later)
-    take_strong_lines(later)
-    about_spread(later, seed)
     return later
 
 

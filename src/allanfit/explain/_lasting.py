@@ -7,9 +7,10 @@ from scipy.fft import irfft
 from . import _means, _search
 from ._bursts import Burst, bursts
 from ._held_out_values import of_loud_times, of_spikes, of_times
+from ._intervals import runs, widened
 from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
-from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation, runs, widened
+from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation
 from ._state import (
     Finding,
     Investigation,
@@ -48,9 +49,6 @@ def about_spread(state: Investigation, seed: int) -> bool:
     """Outliers, loud times and knocks. Says whether the record has to be cut."""
     if not state.format.normal:
         # Discrete or held samples are not normal, and their whitened record is not either.
-        return False
-    if state.format.rails and state.format.clipped > _BRIEF_SHARE:
-        # At a rail nothing moves, which makes a disturbance of all else. A knock is there for less.
         return False
     piece = state.longest
     rough = whitened_piece(state, piece)
@@ -317,23 +315,6 @@ def _excise(
     share = float(clear.mean())
     faint = float(np.mean(white[~clear] ** 2)) - spiky.sigma**2
     return (1 - share) * faint - share * spiky.sigma**2
-
-
-def without(
-    pieces: tuple[tuple[int, int], ...], knocks: list[tuple[int, int]]
-) -> tuple[tuple[int, int], ...]:
-    """The stretches less some intervals; what is left must be long enough to use."""
-    left = []
-    for start, stop in pieces:
-        at = start
-        for a, b in sorted(knocks):
-            if a < stop and b > start:
-                if a - at >= 64:
-                    left.append((at, a))
-                at = max(at, b)
-        if stop - at >= 64:
-            left.append((at, stop))
-    return tuple(left)
 
 
 def loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:

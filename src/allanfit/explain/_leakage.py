@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
+from ._intervals import runs
 from ._ordinates import LEAKAGE_GRID, LEAST, leakage, less_bands, points
 from ._search import Candidate
-from ._spread import runs
 from ._state import Investigation, finer_edges
 from ._structure import (
     EACH,

@@ -17,7 +17,7 @@ from ..curves import mode_variances
 from ..curves._bins import logarithmic_edges
 from ..curves._spectrum import RampProjection, cosine_coefficients
 from ..physics import Sampling
-from ._spread import runs
+from ._intervals import runs
 
 BINS_PER_DECADE = 48
 # Bins of no weight fill a spectrum up to a multiple of this: one compilation serves most records.

@@ -26,7 +26,7 @@ def about_format(state: Investigation) -> None:
     if made.coarse:
         state.name_once(Finding("output_rounding", -1e3, 0.0))
         state.gains["output_rounding"] = of_codes(usable(state.values, state.pieces), made.width)
-    if made.rails:
+    if made.rails and state.finding("saturation") is None:
         state.name_once(Finding("saturation", -1e3, 0.0))
         state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
     # Rounding is white noise behind any filter, however little.

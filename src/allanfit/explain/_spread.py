@@ -273,17 +273,3 @@ def _two_levels(
     if not path.any() or path.all():
         quiet = loud = float(power.mean())
     return path, quiet, loud
-
-
-def runs(flags: Bool[np.ndarray, " samples"]) -> list[tuple[int, int]]:
-    """`[start, stop)` of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
-
-
-def widened(flags: Bool[np.ndarray, " samples"], margin: int) -> Bool[np.ndarray, " samples"]:
-    """True as well where a true value is at most `margin` samples away."""
-    near = flags.copy()
-    for a, b in runs(flags):
-        near[max(a - margin, 0) : b + margin] = True
-    return near

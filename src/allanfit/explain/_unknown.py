@@ -16,12 +16,13 @@ from ._chance import score
 from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
 from ._climb import filter_slopes
 from ._held_out_values import of_swing
+from ._intervals import runs
 from ._lasting import forget_loud_times
 from ._leakage import take_bump
 from ._moving import Band, moving
 from ._ordinates import points
 from ._search import Model
-from ._spread import PULLED_IN, runs, uneven
+from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, whitened_piece
 from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of
 

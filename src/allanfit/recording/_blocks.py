@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable
 from ._formats import read_blocks
+from ._frozen import frozen
 from ._load import (
     about_units,
     channel_of,
@@ -75,6 +76,7 @@ class Blocks:
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
         self._judged = 0
         self._missing = dict.fromkeys(self._asked, 0)
+        self._frozen = dict.fromkeys(self._asked, 0)
         self._rows = self._checked(first)
         self._next = next(self._rows)
         self.channels = self._first_look(*self._next, channels)
@@ -99,9 +101,13 @@ class Blocks:
                 "and nothing is put in place."
             )
         found += [
-            f"Left out of {name} as missing or not finite: {count(missing, 'sample')}."
-            for name, missing in self._missing.items()
-            if missing
+            f"Left out of {name} as {what}: {count(number, 'sample')}."
+            for what, left_out in (
+                ("missing or not finite", self._missing),
+                ("frozen, repeats of one value", self._frozen),
+            )
+            for name, number in left_out.items()
+            if number
         ]
         if self._doubts:
             first, said = self._doubts[0]
@@ -115,8 +121,10 @@ class Blocks:
         for values, breaks in itertools.chain([self._next], self._rows):
             for channel in self.channels:
                 samples = values[channel.name] * channel.factor
-                self._missing[channel.name] += int(np.count_nonzero(~np.isfinite(samples)))
-                yield from _runs(channel.name, samples, breaks)
+                finite, still = np.isfinite(samples), frozen(values[channel.name])
+                self._missing[channel.name] += int(np.count_nonzero(~finite))
+                self._frozen[channel.name] += int(np.count_nonzero(still))
+                yield from _runs(channel.name, samples, finite & ~still, breaks)
 
     def _read(self, blocks: Iterator) -> Iterator[Table]:
         for block in blocks:
@@ -184,7 +192,10 @@ class Blocks:
         kept, known = [], {}
         for name in self._asked:
             column, unit = values[name], self._units[name]
-            stretches = split(np.isfinite(column), tuple(at for at in breaks if at < column.size))
+            still = frozen(column)
+            stretches = split(
+                np.isfinite(column) & ~still, tuple(at for at in breaks if at < column.size)
+            )
             seen = usable(column, stretches)
             wanted = bool(channels) or len(self._asked) == 1
             # Of few samples chance might make a counter.
@@ -199,12 +210,12 @@ class Blocks:
             if seen.size and seen.min() < seen.max():
                 known[name] = unit
             if enough and name in known:
-                said = about_samples(column, stretches, unit.name, self.rate_hz)
-                # Of all samples those that are missing are counted.
+                said = about_samples(column, still, stretches, unit.name, self.rate_hz)
+                # Of all samples those that are missing or frozen are counted.
                 about = tuple(
                     f"In the first {column.size} samples: {each}"
                     for each in said
-                    if not each.startswith("Left out as missing")
+                    if not each.startswith(("Left out as missing", "Left out as frozen"))
                 )
             kept.append(channel_of(name, column, unit, stretches, about))
         if not kept:
@@ -251,13 +262,15 @@ def read_in_blocks(
 
 
 def _runs(
-    channel: str, samples: Float64[np.ndarray, " samples"], breaks: tuple[int, ...]
+    channel: str,
+    samples: Float64[np.ndarray, " samples"],
+    good: Bool[np.ndarray, " samples"],
+    breaks: tuple[int, ...],
 ) -> Iterator[Run]:
-    finite = np.isfinite(samples)
-    changes = () if finite.all() else np.flatnonzero(np.diff(finite)) + 1
+    changes = () if good.all() else np.flatnonzero(np.diff(good)) + 1
     cuts = sorted({*breaks, *map(int, changes)})
     for start, stop in itertools.pairwise((0, *cuts, samples.size)):
-        used = stop if finite[start:stop].all() else start
+        used = stop if good[start:stop].all() else start
         ends = stop in cuts or used < stop
         if ends or used > start:
             yield Run(channel, samples[start:used], ends)

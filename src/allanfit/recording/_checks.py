@@ -72,22 +72,18 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
 
 def about_samples(
     samples: Float64[np.ndarray, " samples"],
+    still: Bool[np.ndarray, " samples"],
     stretches: tuple[tuple[int, int], ...],
     unit: str,
     rate_hz: float,
 ) -> tuple[str, ...]:
-    """Findings on the samples of one channel, given in the user's `unit`."""
+    """Findings on the samples of one channel, given in the user's `unit`; `still` are frozen."""
     values = usable(samples, stretches)
     width = code_width(values)
-    # Within short windows and over most of them: neither drift nor a few outliers count as noise.
-    windows = values[: values.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
-    # From the first value, so that a window of equal ones has a deviation of exactly 0.
-    sigma = float(np.median((windows - windows[:, :1]).std(axis=1)))
-    # Values held for longer than a window show no noise in it and need not be coarse for that.
-    coarse = width > 0.75 * (sigma or np.std(_fresh(values)))
+    sigma, coarse = local_deviation(values), wide(values, width)
     ends = () if coarse else rails(values, width)
     return (
-        *_about_lost(samples, stretches, values.size, rate_hz),
+        *_about_lost(samples, still, stretches, values.size, rate_hz),
         *_about_rails(values, ends, unit),
         *_about_repeats(values, ends, width),
         *(_about_width(values, width, sigma, unit) if coarse else ()),
@@ -116,6 +112,19 @@ def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
     return float(steps[steps < 1.5 * small].mean())
 
 
+def local_deviation(samples: Float64[np.ndarray, " usable"]) -> float:
+    """Standard deviation within short windows, in most of them: no drift and no outliers."""
+    windows = samples[: samples.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
+    # From the first value, so that a window of equal ones has a deviation of exactly 0.
+    return float(np.median((windows - windows[:, :1]).std(axis=1)))
+
+
+def wide(samples: Float64[np.ndarray, " usable"], width: float) -> bool:
+    """Whether codes of this width are wide beside the noise, so that samples show few of them."""
+    # Values held for longer than a window show no noise in it and need not be coarse for that.
+    return bool(width > 0.75 * (local_deviation(samples) or np.std(_fresh(samples))))
+
+
 def _fresh(samples: Float64[np.ndarray, " usable"]) -> Float64[np.ndarray, " fresh"]:
     """The first of each run of equal values, so that no code fills more than half of them."""
     return samples[np.concatenate([[True], np.diff(samples) != 0])]
@@ -141,18 +150,27 @@ def about_gravity(channels: Sequence[Channel]) -> tuple[str, ...]:
 
 def _about_lost(
     samples: Float64[np.ndarray, " samples"],
+    still: Bool[np.ndarray, " samples"],
     stretches: tuple[tuple[int, int], ...],
     used: int,
     rate_hz: float,
 ) -> tuple[str, ...]:
     broken = int(np.count_nonzero(~np.isfinite(samples)))
-    stray = samples.size - used - broken
+    frozen = int(np.count_nonzero(still))
+    stray = samples.size - used - broken - frozen
     findings = ()
     if broken:
         findings += (
             f"Left out as missing or not finite: {count(broken, 'sample')} "
             f"({broken / rate_hz:.3g} s); the longest stretch between has "
             f"{max(stop - start for start, stop in stretches) / rate_hz:.4g} s.",
+        )
+    if frozen:
+        runs = int(np.count_nonzero(still[1:] & ~still[:-1]))
+        findings += (
+            f"Left out as frozen: {count(frozen, 'sample')} in {count(runs, 'run')} "
+            f"({frozen / rate_hz:.3g} s) repeat one value, as a sensor that hangs or a logger "
+            "that fills up a gap makes them.",
         )
     if stray:
         findings += (

@@ -10,6 +10,7 @@ import numpy as np
 
 from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_useless
 from ._formats import read_table
+from ._frozen import frozen
 from ._mistakes import about_mistakes
 from ._no_sensor import why_flag
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
@@ -54,8 +55,8 @@ def load(
     - `progress`: called now and then with the messages read and their number, for bags.
 
     **Returns:** a `Recording`. What is wrong with it but does not forbid an analysis is said in
-    its `findings` and those of its channels. Nothing is interpolated: gaps and values that are
-    not finite divide a channel into `stretches`.
+    its `findings` and those of its channels. Nothing is interpolated: gaps, values that are not
+    finite and frozen ones divide a channel into `stretches`.
 
     **Raises** `RecordingError` when the file cannot be read, no rate is known, a unit or a channel
     is unknown, or no channel has 256 usable samples that vary.
@@ -88,7 +89,8 @@ def load(
     kept, left_out = [], []
     for name in asked:
         values = table.columns[name].astype(np.float64)
-        stretches = split(np.isfinite(values), clock.breaks)
+        still = frozen(values)
+        stretches = split(np.isfinite(values) & ~still, clock.breaks)
         used = usable(values, stretches)
         wanted = bool(channels) or len(asked) == 1
         useless = why_state(name, used, units[name], wanted) or why_useless(used)
@@ -97,7 +99,7 @@ def load(
         if useless:
             left_out.append(f"The channel {name} is left out: {useless}.")
             continue
-        about = about_samples(values, stretches, units[name].name, clock.rate_hz)
+        about = about_samples(values, still, stretches, units[name].name, clock.rate_hz)
         kept.append(channel_of(name, values, units[name], stretches, about))
     if not kept:
         raise RecordingError(f"{path.name} has no channel to analyse. {left_out[-1]}")
