@@ -103,3 +103,19 @@ def test_what_has_no_unit_is_in_the_recordings(tmp_path):
         (reference,) = references(simulation, recording, "point").values()
         # N of unit variance at 100 Hz is 0.1 deg/s/sqrt(Hz).
         assert reference.coefficients[1] == pytest.approx(0.1 * np.pi / 180, rel=0.1)
+
+
+def test_each_channel_of_a_simulation_has_its_own_unit(tmp_path):
+    rng = np.random.default_rng(4)
+    names = ("gyro_x", "accel_x")
+    columns = {name: rng.standard_normal(SAMPLES) for name in names}
+    units = json.dumps({"gyro_x": "deg/s", "accel_x": "mg"})
+    np.savez(tmp_path / "a.npz", rate_hz=RATE, units=units, **columns)
+    np.savez(tmp_path / "b.npz", rate_hz=RATE, **columns)
+    recording = allanfit.load(tmp_path / "a.npz")
+    lines = tmp_path / "c.yaml"
+    lines.write_text("gyro_x:\n  N: 0.1\naccel_x:\n  N: 0.1\n")
+    for simulation in (tmp_path / "b.npz", lines):
+        found = references(simulation, recording, "point")
+        for name, unit in zip(names, (np.pi / 180, 9.80665e-3), strict=True):
+            assert found[name].coefficients[1] == pytest.approx(0.1 * unit, rel=0.1)

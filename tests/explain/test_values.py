@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from allanfit.explain._investigate import investigate
+from allanfit.explain._ordinates import ordinates
 from allanfit.explain._telegraph import two_levels
 
 SAMPLES = 40_000
@@ -34,34 +36,24 @@ def test_long_tails_are_the_noise_itself():
 
 
 def test_two_levels_are_told_from_a_normal_process():
-    """Of 20 telegraphs of some 40 dwells nearly all are clear, of 20 relaxations hardly one."""
+    """Of 20 telegraphs of some 60 dwells nearly all are clear, of 20 relaxations hardly one."""
     rng = np.random.default_rng(6)
-    modes, corner = 2000, 40
-    density = 1 / (1 + (np.arange(1, modes + 1) / corner) ** 2)
+    length, dwell, noise = 4000, 64, 0.3
     chances = {"telegraph": [], "relaxation": []}
-    length = 4000
     for _ in range(20):
-        flips = rng.random(length) < np.pi * corner / (2 * length)
-        level = np.where(np.cumsum(flips) % 2, 1.0, -1.0)
-        for kind, series in (("telegraph", level), ("relaxation", None)):
-            if series is None:
-                amplitude = np.sqrt(density) * rng.standard_normal(modes)
-            else:
-                amplitude = cosine(series)[1 : modes + 1]
-                amplitude *= np.sqrt(density.sum() / np.sum(amplitude**2))
-            amplitude = amplitude + 0.05 * rng.standard_normal(modes)
-            chances[kind].append(
-                two_levels(amplitude, density, density + 0.0025, corner, seed=7)[1]
-            )
+        levels = np.where(np.cumsum(rng.random(length) < 1 / dwell) % 2, 1.0, -1.0)
+        # Both have the autocovariance (1 - 2/dwell)^lag.
+        keep = 1 - 2 / dwell
+        relaxation = lfilter([np.sqrt(1 - keep**2)], [1, -keep], rng.standard_normal(length))
+        for kind, series in (("telegraph", levels), ("relaxation", relaxation)):
+            seen = ordinates((series + noise * rng.standard_normal(length),), "point")
+            turn = np.cos(2 * np.pi * seen.frequency)
+            signal = 2 * (1 - keep**2) / (1 - 2 * keep * turn + keep**2)
+            corner = round(2 * length / (np.pi * dwell))
+            total = signal + 2 * noise**2
+            chances[kind].append(two_levels(seen.amplitude, signal, total, corner, seed=7)[1])
     assert np.mean(np.array(chances["telegraph"]) < 1e-3) > 0.85
     assert np.sum(np.array(chances["relaxation"]) < 1e-2) <= 2
-
-
-def cosine(series: np.ndarray) -> np.ndarray:
-    """The cosine transform by its sum."""
-    spectrum = np.fft.rfft(np.concatenate([series, series[::-1]]))
-    turn = np.exp(-1j * np.pi * np.arange(spectrum.size) / (2 * series.size))
-    return (turn * spectrum).real / np.sqrt(2 * series.size)
 
 
 def test_a_shock_that_reaches_the_rails_is_a_disturbance():

@@ -9,7 +9,6 @@ from allanfit.explain._lines import refine, scan
 from allanfit.explain._rounded import about_format
 from allanfit.explain._spread import contamination, modulation, uneven
 from allanfit.explain._state import begin
-from allanfit.explain._telegraph import two_levels
 
 SAMPLES = 40_000
 
@@ -148,22 +147,3 @@ def test_repeats_are_counted_less_those_of_rounding(code):
     assert abs(np.mean(scores)) < 4 / np.sqrt(40)
     # Of 40 normal ones the deviation is within 0.6 to 1.5 but for chances of 1e-5.
     assert 0.6 < np.std(scores) < 1.5
-
-
-def test_two_levels_are_told_from_a_normal_process():
-    rng = np.random.default_rng(6)
-    count, corner = 4000, 60
-    order = np.arange(1, count + 1)
-    signal = 50.0 / (1 + (order / corner) ** 2)
-    total = signal + 1.0
-    normal = np.sqrt(total) * rng.standard_normal(count)
-    assert two_levels(normal, signal, total, corner, 0)[1] > 0.003
-    # A telegraph with the same corner: its cosine amplitudes by transform of the levels.
-    from scipy.fft import dct
-
-    flips = rng.random(count) < np.pi * corner / (2 * count)
-    levels = np.where(np.cumsum(flips) % 2, 1.0, -1.0)
-    amplitude = dct(levels, norm="ortho")[1:]
-    scale = np.sqrt(np.mean(signal[:corner]) / np.mean(amplitude[:corner] ** 2))
-    seen = scale * amplitude + rng.standard_normal(count - 1)
-    assert two_levels(seen, signal[:-1], total[:-1], corner, 0)[1] < 0.003

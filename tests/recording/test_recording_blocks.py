@@ -85,7 +85,9 @@ def test_blocks_hold_what_the_whole_file_holds(name, columns, tmp_path):
     assert any("break 1 time" in finding for finding in blocks.findings)
     assert "Left out of gyro_x as missing or not finite: 21 samples." in blocks.findings
     assert "Left out of gyro_y as frozen, repeats of one value: 3" in " ".join(blocks.findings)
-    assert not any("Left out as" in told for channel in blocks.channels for told in channel.findings)
+    assert not any(
+        "Left out as" in told for channel in blocks.channels for told in channel.findings
+    )
     assert len(read) > 2
     assert read[-1][0] == read[-1][1]
     assert read == sorted(read)

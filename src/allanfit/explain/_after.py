@@ -93,8 +93,8 @@ def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best)
     if not rails:
         return
     used = usable(state.values, state.pieces)
-    middle, limit = float(np.median(used)), float(np.max(np.abs(rails)))
-    reach = abs(limit - middle) if len(rails) == 1 else float(np.ptp(rails)) / 2
+    middle = float(np.median(used))
+    reach = abs(rails[0] - middle) if len(rails) == 1 else float(np.ptp(rails)) / 2
     if middle in rails:
         # Most of it is lost.
         return

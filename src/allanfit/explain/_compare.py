@@ -1,6 +1,6 @@
 """A recording against a simulation: where they differ, and whether a coefficient is to blame."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,9 +56,8 @@ def references(
     if simulation is None:
         return {}
     if isinstance(simulation, (str, Path)) and not is_recording(Path(simulation)):
-        own = recording.channels[0].unit
         found = {
-            entry.channel: _of_entry(entry, own, recording, sampling)
+            entry.channel: _of_entry(entry, recording, sampling)
             for entry in read_coefficients(simulation)
         }
     else:
@@ -96,23 +95,39 @@ def _chosen(found: dict[str, Reference], recording: Recording) -> dict[str, Refe
 
 
 def _loaded(path: Path | str, recording: Recording) -> Recording:
-    unit = recording.channels[0].unit or None
     # A simulator's file may leave out what the recording's user gave on the command line.
-    rate_hz = None
     try:
         found = load(path)
     except NoRateError:
-        rate_hz = recording.rate_hz
-        found = load(path, rate_hz=rate_hz)
-    if unit and not any(channel.unit for channel in found.channels):
-        return load(path, rate_hz=rate_hz, unit=unit)
-    return found
+        found = load(path, rate_hz=recording.rate_hz)
+    if any(channel.unit for channel in found.channels):
+        return found
+    return replace(found, channels=tuple(_in_unit(each, recording) for each in found.channels))
 
 
-def _of_entry(
-    entry: Coefficients, own_unit: str, recording: Recording, sampling: Sampling
-) -> Reference:
-    unit = parse_unit(entry.unit or own_unit)
+def _in_unit(channel: Channel, recording: Recording) -> Channel:
+    """A channel without a unit in that of the recording's."""
+    unit = parse_unit(_own_unit(channel.name, recording))
+    return replace(
+        channel,
+        unit=unit.name,
+        factor=unit.factor,
+        si_unit=unit.si_unit,
+        kind=unit.kind,
+        samples=channel.samples * unit.factor,
+    )
+
+
+def _own_unit(name: str, recording: Recording) -> str:
+    """The unit of the channel that is called so or of such a kind; of the first if none is."""
+    return next(
+        (channel.unit for channel in recording.channels if name in (channel.name, channel.kind)),
+        recording.channels[0].unit,
+    )
+
+
+def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> Reference:
+    unit = parse_unit(entry.unit or _own_unit(entry.channel, recording))
     if entry.effects:
         si = entry.times(unit.factor, unit.si_unit)
         samples = len(recording.channels[0].samples)
@@ -275,7 +290,8 @@ def _simulated(
 
 def _two_sided(ratio: float, ordinates: float, others: float, tests: int) -> float:
     above = float(fisher.sf(ratio, ordinates, others))
-    return min(1.0, 2 * tests * min(above, 1 - above if above > 0.5 else 1.0))
+    below = float(fisher.cdf(ratio, ordinates, others))
+    return min(1.0, 2 * tests * min(above, below))
 
 
 def _joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -291,13 +307,14 @@ def _joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
         ):
             strongest = min(last, entry, key=lambda each: each["p_value"])
             cause = strongest["sentence"].rpartition(": ")[2]
-            ratio = strongest["ratio"]
+            ratio = max(last["ratio"], entry["ratio"], key=lambda each: abs(np.log(each)))
+            extreme = "up" if ratio > 1 else "down"
             last.update(
                 high=entry["high"],
                 ratio=ratio,
                 p_value=strongest["p_value"],
-                sentence=f"From {last['low']:.4g} to {entry['high']:.4g} Hz the recording has up "
-                f"to {ratio:.3g} times the power of the simulation: {cause}"
+                sentence=f"From {last['low']:.4g} to {entry['high']:.4g} Hz the recording has "
+                f"{extreme} to {ratio:.3g} times the power of the simulation: {cause}"
                 if ": " in strongest["sentence"]
                 else strongest["sentence"],
             )

@@ -54,7 +54,7 @@ def propose(
     for variance in (flat, ordinate_variance(spectrum, calm, data)):
         scan = blocks.scan(spectrum, variance)
         found += _oscillations(scan, time, length, start, samples)
-        found += _warm_ups(scan, time, length, start, samples, paths)
+        found += _warm_ups(scan, time, length, samples, paths)
         found += _steps(scan, time.size, blocks.size, start, samples, paths)
     for name, columns in drivers.items():
         found += _driven(name, columns, samples)
@@ -141,13 +141,13 @@ def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
     return courses
 
 
-def _warm_ups(scan: _Scan, time, length, start, samples, paths) -> list[Course]:
+def _warm_ups(scan: _Scan, time, length, samples, paths) -> list[Course]:
     constants = np.geomspace(max(length / 300, 4 * (time[1] - time[0])), length / 1.5, 24)
     ways = np.stack([scan.directions(np.exp(-time / c)[:, None])[:, 0] for c in constants])
     path = paths.setdefault("warm_up", _path(np.sum(ways[1:] * ways[:-1], axis=1)))
     gains = (ways @ (scan.amplitude / np.sqrt(scan.variance))) ** 2
     return [
-        warm_up(float(constants[at]), start, samples)._replace(length=path)
+        warm_up(float(constants[at]), samples)._replace(length=path)
         for at in _tops(gains, 3, 1, 1.0, path)[:1]
     ]
 

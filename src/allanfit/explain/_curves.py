@@ -177,7 +177,7 @@ def _time(state: Investigation, course, effects, dt: float, factor: float) -> di
         model = listed((course[: count * block].reshape(shape).mean(axis=1) + level) / factor)
     intervals = [pair for e in effects for pair in e.lists.get("intervals", [])]
     return {
-        "time_s": ((np.arange(count) + 0.5) * block * dt).tolist(),
+        "time_s": [state.moment((k + 0.5) * block) * dt for k in range(count)],
         "mean": listed(mean / factor),
         "deviation": listed(np.where(number > 1, deviation, np.nan) / factor),
         "model": model,

@@ -1,5 +1,6 @@
 """From what an investigation found to named effects with parameters, in SI units and seconds."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from . import _means
 from ._effect import Effect
 from ._intervals import runs
 from ._line_parts import merged
-from ._ordinates import points
+from ._ordinates import ordinates, points
 from ._posterior import Draws
 from ._state import Finding, Investigation
 from ._structure import (
@@ -161,9 +162,17 @@ def _when(state: Investigation, dt: float) -> str:
     """When the only line was stronger than at other times, if it was."""
     if not state.line_times or len(set(state.model.kinds.added) & set(NARROW)) != 1:
         return ""
-    times = [f"from {a * dt:.5g} to {b * dt:.5g} s" for a, b in state.line_times[:_MOST_TIMES]]
+    pairs = _seconds(state, state.line_times[:_MOST_TIMES], dt)
+    times = [f"from {a:.5g} to {b:.5g} s" for a, b in pairs]
     more = len(state.line_times) - len(times)
     return ", mostly " + ", ".join(times) + (f" and {more} times more" if more else "")
+
+
+def _seconds(
+    state: Investigation, pairs: Sequence[tuple[int, int]], dt: float
+) -> list[list[float]]:
+    """Intervals of values in seconds since the recording began."""
+    return [[state.moment(a) * dt, state.moment(b) * dt] for a, b in pairs]
 
 
 def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
@@ -193,7 +202,9 @@ def _finite(kind: LowPass) -> str:
 
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:
     """A Gauss-Markov process, or a telegraph that looks like one."""
-    spectrum, three = state.left, state.model.theta[begin : begin + EACH]
+    three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
+    # Of one stretch: the ordinates of several are no series.
+    spectrum = ordinates((state.calm[start:stop],), state.sampling)
     constant = float(np.median(time))
     total = _means.ordinate_variance(spectrum, state.model, state.data)
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
@@ -207,13 +218,11 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
         "gauss_markov", own, dict(others), {"sigma": size, "correlation_time": time * dt}, {}, band
     )
     kurtosis, chance = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
-    state.witnesses.append(
-        {
-            "name": "two levels",
-            "statistic": kurtosis,
-            "p_value": chance,
-            "sentence": "The kurtosis of the process, filtered out of the other noise.",
-        }
+    state.witness(
+        "two levels",
+        kurtosis,
+        chance,
+        "The kurtosis of the process, filtered out of the other noise.",
     )
     # A chance p is worth at most 1/(-e p ln p) in odds (Sellke et al. 2001, Am. Stat. 55:62).
     worth = 1 / (-np.e * chance * np.log(chance)) if chance < 1 / np.e else 1.0
@@ -236,7 +245,7 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     for course, sizes in zip(state.courses, np.split(drawn, ends[:-1], axis=1), strict=True):
         own, others = _probabilities(state.finding(course.name), course.name)
         if course.name == "step":
-            steps.append((course.shape["time"] * dt, sizes[:, 0], own, others))
+            steps.append((state.moment(course.shape["time"]) * dt, sizes[:, 0], own, others))
         elif course.name == "warm_up":
             spread = course.shape.get("deviation", 0.0)
             constant = course.shape["time_constant"] + spread * rng.standard_normal(2000)
@@ -330,7 +339,7 @@ def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effec
 def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     changing = finding.detail
     start = state.longest[0]
-    times = [[(start + a) * dt, (start + b) * dt] for a, b in runs(changing.loud)]
+    times = _seconds(state, [(start + a, start + b) for a, b in runs(changing.loud)], dt)
     others = {"disturbance": 0.03}
     return [
         Effect("variance_modulation", 0.95, others, {"ratio": changing.draws}, {"intervals": times})
@@ -338,7 +347,7 @@ def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[E
 
 
 def _knocked(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    times = [[a * dt, b * dt] for a, b in state.knocks]
+    times = _seconds(state, state.knocks, dt)
     others = {"variance_modulation": 0.08}
     return [Effect("disturbance", 0.9, others, {}, {"intervals": times})]
 

@@ -1,8 +1,9 @@
-"""Are values better predicted by what was found in them, on samples that it was not found in?
+"""Are values better predicted by what was found in them, on samples that were not fitted?
 
 What rounding, rails, spikes and loud times do shows in no spectrum, so that the score of ordinates
 says nothing of them. Here one half of the samples says how often, how large and when, and the other
-is scored: log-probabilities [nats] of what the five terms and what was found expect.
+is scored: log-probabilities [nats] of what the five terms and what was found expect. Only when a
+brief disturbance was, and with what period the noise swings, is found on all samples.
 """
 
 from collections.abc import Callable
@@ -83,7 +84,7 @@ def of_loud_times(white: Float[np.ndarray, " samples"], seed: int) -> Gain:
 
 
 def of_times(white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samples"]) -> Gain:
-    """As `of_loud_times`, where short spectra told when it is loud."""
+    """As `of_loud_times`, for brief times found on all samples: half may not show them."""
     pulled = np.clip(white, -PULLED_IN, PULLED_IN)
 
     def differences(known: slice, scored: slice):
@@ -101,7 +102,7 @@ def _two_levels(known, loud_known, scored, loud_scored) -> Float[np.ndarray, " h
 
 
 def of_swing(white: Float[np.ndarray, " samples"], period: float) -> Gain:
-    """Noise whose variance swings with a period [samples], against one that does not."""
+    """Noise whose variance swings, its period [samples] found on all, against one that lasts."""
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     angle = 2 * np.pi * np.arange(white.size) / period
     waves = np.column_stack([np.cos(angle), np.sin(angle)])

@@ -71,7 +71,7 @@ def investigate(
         power = power / np.asarray(unit_scale(stride))[: power.size] ** 2
     state = begin(values, pieces, sampling, power, alarm)
     if fresh is not None:
-        state.stride = stride
+        state.stride, state.at = stride, fresh.at
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
     if lost > 0:
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
@@ -119,7 +119,7 @@ def _begin_again(
     later.findings = [each for each in state.findings if each.name in _KEPT]
     later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
     later.knocks, later.witnesses = state.knocks, state.witnesses
-    later.stride = state.stride
+    later.stride, later.at = state.stride, state.at
     # Where the output keeps clear of its rails they are no less there.
     rails = state.format.rails
     clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))

@@ -55,13 +55,11 @@ def about_spread(state: Investigation, seed: int) -> bool:
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _without_ends(whitened_piece(state, piece, notches))
     changing = modulation(white, seed)
-    state.witnesses.append(
-        {
-            "name": "variance in time",
-            "statistic": changing.ratio,
-            "p_value": changing.p_value,
-            "sentence": "Windowed variances of the whitened record, compared.",
-        }
+    state.witness(
+        "variance in time",
+        changing.ratio,
+        changing.p_value,
+        "Windowed variances of the whitened record, compared.",
     )
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
     if loud and not state.knocks:
@@ -78,13 +76,11 @@ def about_spread(state: Investigation, seed: int) -> bool:
     else:
         even = white
     brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN))
-    state.witnesses.append(
-        {
-            "name": "bursts",
-            "statistic": brief.ratio,
-            "p_value": float(np.exp(brief.log_p)),
-            "sentence": "Short spectra of the whitened record, scanned for tiles that stand out.",
-        }
+    state.witness(
+        "bursts",
+        brief.ratio,
+        float(np.exp(brief.log_p)),
+        "Short spectra of the whitened record, scanned for tiles that stand out.",
     )
     if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < _BRIEF_SHARE:
         knocked = _as_modulation(white, brief)
@@ -95,13 +91,11 @@ def about_spread(state: Investigation, seed: int) -> bool:
     mean = level(state.left, state.variance)
     box = _uniform_part(state, mean)
     spiky = contamination(even, seed, box)
-    state.witnesses.append(
-        {
-            "name": "outliers",
-            "statistic": spiky.gain,
-            "p_value": spiky.p_value,
-            "sentence": "Two normal distributions against one, on the whitened record.",
-        }
+    state.witness(
+        "outliers",
+        spiky.gain,
+        spiky.p_value,
+        "Two normal distributions against one, on the whitened record.",
     )
     # How tall a spike of one unit is in the whitened record.
     height = float(np.mean(1 / np.sqrt(mean / 2)))

@@ -148,10 +148,10 @@ def oscillation(frequency: float, start: int, samples: int) -> Course:
     )
 
 
-def warm_up(constant: float, start: int, samples: int) -> Course:
+def warm_up(constant: float, samples: int) -> Course:
     """An exponential that begins with the recording, its constant in samples."""
-    time = np.maximum(np.arange(samples) - start, 0)
-    return Course("warm_up", np.exp(-time / constant)[:, None], {"time_constant": constant})
+    time = np.arange(samples)[:, None]
+    return Course("warm_up", np.exp(-time / constant), {"time_constant": constant})
 
 
 def step(time: int, samples: int) -> Course:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from . import _means, _search
+from ._chance import log_chance
 from ._clock import logged_density
 from ._effect import Effect
-from ._state import Finding, Investigation
+from ._state import Investigation
 
 # Part of the evidence that a reported band holds.
 _INSIDE = 0.8
@@ -21,6 +22,14 @@ _IN_VALUES = {
     "outliers": "Some values are larger than normal noise has them",
     "dropped_samples": "The time stamps leave out samples",
 }
+# Other names under which an effect may have been found.
+_FOUND_AS = {
+    "random_telegraph": ("gauss_markov",),
+    "temperature": ("sinusoid", "resonance", "drifting_line"),
+    "drifting_line": ("resonance",),
+    "resonance": ("drifting_line",),
+    "bump": ("sinusoid", "resonance", "drifting_line", "low_pass", "variance_modulation"),
+}
 _IN_TIME = ("step", "warm_up", "disturbance", "variance_modulation")
 
 
@@ -28,13 +37,12 @@ def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> li
     """One entry an effect, with its name, in Hz or s."""
     entries = []
     for effect in effects:
-        finding = _finding(state, effect.name)
-        chance = math.exp(max(finding.log_p, math.log(_CHANCE_FLOOR))) if finding else 0.0
+        chance = math.exp(max(_log_chance(state, effect.name), math.log(_CHANCE_FLOOR)))
         if effect.name == "sample_hold" and state.stride > 1:
             entry = _images(state, chance, dt)
         elif effect.name in _IN_VALUES:
             said = f"{_IN_VALUES[effect.name]}, at any time of the recording."
-            entry = _of_time(0.0, state.values.size * dt, 1.0, chance, said)
+            entry = _of_time(0.0, state.moment(state.values.size) * dt, 1.0, chance, said)
         elif effect.name in _IN_TIME or effect.in_time:
             entry = _in_time(state, effect, chance, dt)
         else:
@@ -43,14 +51,16 @@ def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> li
     return sorted(entries, key=lambda entry: entry["p_value"])
 
 
-def _finding(state: Investigation, name: str) -> Finding | None:
-    alias = {"random_telegraph": ("gauss_markov",), "temperature": ("temperature", "sinusoid")}
-    names = (name, *alias.get(name, ()))
-    return next((each for each in state.findings if each.name in names), None)
+def _log_chance(state: Investigation, name: str) -> float:
+    """Log of the chance of what an effect was named for, by whatever name it was found."""
+    if name == "bump" and state.unexplained is not None:
+        return log_chance("bump", state.unexplained.gain)
+    names = (name, *_FOUND_AS.get(name, ()))
+    return min((each.log_p for each in state.findings if each.name in names), default=state.nearest)
 
 
 def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> dict[str, Any]:
-    end = state.values.size * dt
+    end = state.moment(state.values.size) * dt
     if effect.name == "warm_up":
         low, high = 0.0, min(3 * effect.value("time_constant"), end)
         ratio = 1.0

@@ -126,14 +126,11 @@ def _line_options(state: Investigation) -> list[Option]:
             for old in state.peaks
         )
     ]
-    state.witnesses = [w for w in state.witnesses if w["name"] != "lines"]
-    state.witnesses.append(
-        {
-            "name": "lines",
-            "statistic": len(peaks) + held + len(known),
-            "p_value": float(np.exp(peaks[0].log_p)) if peaks else 1.0,
-            "sentence": "The spectrum at full resolution, scanned for narrow bands.",
-        }
+    state.witness(
+        "lines",
+        len(peaks) + held + len(known),
+        float(np.exp(peaks[0].log_p)) if peaks else 1.0,
+        "The spectrum at full resolution, scanned for narrow bands.",
     )
     if not peaks or held >= _MOST_LINES:
         return []
@@ -293,11 +290,11 @@ def _refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> C
     if course.name == "warm_up":
         constant = course.shape["time_constant"]
         best = _means.polish(
-            course, lambda c: _means.warm_up(c, start, samples), constant, constant / 5, gain
+            course, lambda c: _means.warm_up(c, samples), constant, constant / 5, gain
         )
         constant = best.shape["time_constant"]
         # Its standard deviation from how fast the likelihood falls beside the best.
-        beside = [gain(_means.warm_up(part * constant, start, samples)) for part in (0.9, 1.1)]
+        beside = [gain(_means.warm_up(part * constant, samples)) for part in (0.9, 1.1)]
         fall = max(gain(best) - np.mean(beside), 1e-3)
         best.shape["deviation"] = 0.1 * constant / np.sqrt(fall)
         return best

@@ -6,7 +6,7 @@ from itertools import compress
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from ..physics import Sampling
 from . import _means, _search
@@ -88,7 +88,7 @@ class Investigation:
     #: The probability that codes are those of the rate, and not of an angle.
     rate_rounded: float = 1.0
     witnesses: list[dict[str, Any]] = field(default_factory=list)
-    #: What findings gain on samples that they were not found in, by name of the effect.
+    #: What findings gain on samples that they were not fitted to, by name of the effect.
     gains: dict[str, Gain] = field(default_factory=dict)
     #: Log of the chance of the strongest evidence within its family of tests.
     nearest: float = 0.0
@@ -103,8 +103,9 @@ class Investigation:
     wandering: set[int] = field(default_factory=set)
     #: When a line was stronger than at other times, as `[start, stop)`, if it was.
     line_times: list[tuple[int, int]] = field(default_factory=list)
-    #: Samples of the log for each of `values`.
+    #: Samples of the log for each of `values`, and which of the log's they are if not all.
     stride: float = 1.0
+    at: Int[np.ndarray, " samples"] | None = None
 
     @property
     def left(self) -> Ordinates:
@@ -145,9 +146,20 @@ class Investigation:
         """What the model expects of each ordinate [u^2]."""
         return _means.ordinate_variance(self.spectrum, self.model, self.data)
 
+    def moment(self, index: float) -> float:
+        """When a value was taken, gaps included, in intervals of the values."""
+        if self.at is None:
+            return index
+        return float(self.at[min(int(index), self.at.size - 1)]) / self.stride
+
     def finding(self, name: str) -> Finding | None:
         """The first finding of this name."""
         return next((each for each in self.findings if each.name == name), None)
+
+    def witness(self, name: str, statistic: float, p_value: float, sentence: str) -> None:
+        """Tell what a test gave, in place of what it gave before."""
+        told = {"name": name, "statistic": statistic, "p_value": p_value, "sentence": sentence}
+        self.witnesses = [each for each in self.witnesses if each["name"] != name] + [told]
 
     def name_once(self, finding: Finding) -> None:
         """Add a finding, in place of an older one of its name."""

@@ -23,9 +23,9 @@ def two_levels(
 ) -> tuple[float, float]:
     """Kurtosis of the filtered process, and the chance that a normal one has less.
 
-    `amplitude` are signed cosine amplitudes in order of frequency, `signal` and `total` the
-    expected squares of the process alone and of everything; `corner` is the mode at which the
-    process's density has fallen to half.
+    `amplitude` are the signed cosine amplitudes of one stretch from order 2 on, as `ordinates`
+    makes them, `signal` and `total` the expected squares of the process alone and of everything;
+    `corner` is the mode at which the process's density has fallen to half.
     """
     count = min(amplitude.size, max(_CORNERS * corner, 64))
     weight = (signal / total)[:count]
@@ -46,5 +46,6 @@ def two_levels(
 
 
 def _kurtosis(coefficients: Float[np.ndarray, " modes"]) -> float:
-    series = np.asarray(idct(np.concatenate([[0.0], coefficients]), norm="ortho"))
+    # Neither a mean nor the order that only says how a ramp ends.
+    series = np.asarray(idct(np.concatenate([[0.0, 0.0], coefficients]), norm="ortho"))
     return float(np.mean(series**4) / np.mean(series**2) ** 2)

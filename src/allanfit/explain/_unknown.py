@@ -316,13 +316,11 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     if found is None:
         return
     period, log_p = found
-    state.witnesses.append(
-        {
-            "name": "swing of the noise",
-            "statistic": period,
-            "p_value": float(np.exp(log_p)),
-            "sentence": "The squares of the whitened record, scanned for a period.",
-        }
+    state.witness(
+        "swing of the noise",
+        period,
+        float(np.exp(log_p)),
+        "The squares of the whitened record, scanned for a period.",
     )
     if log_p < np.log(state.alarm):
         state.findings.append(Finding("bump", log_p, 0.0))
