@@ -116,7 +116,6 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
 def _line_options(state: Investigation) -> list[Option]:
     piece = state.longest
     held = len(state.lines)
-    known = tuple(peak.frequency for peak in state.peaks)
     white = whitened_piece(state, piece, ())
     peaks = [
         peak
@@ -128,7 +127,7 @@ def _line_options(state: Investigation) -> list[Option]:
     ]
     state.witness(
         "lines",
-        len(peaks) + held + len(known),
+        float(len(peaks) + held + len(state.peaks)),
         float(np.exp(peaks[0].log_p)) if peaks else 1.0,
         "The spectrum at full resolution, scanned for narrow bands.",
     )
