@@ -178,7 +178,7 @@ def test_a_channel_has_its_own_lines_or_those_of_its_kind(tmp_path):
     sheet = allanfit.read_datasheet(
         write(tmp_path, "gyro: {N: 1 deg/√h}\ngx: {N: 2 deg/√h}\naccelerometer: {B: 1 mg}")
     )
-    sheet.check(make_recording(*GYROS))
+    sheet.check("bench.csv", make_recording(*GYROS).channels)
     numbers = [[line.number for line in sheet.of(name, kind)] for name, _, kind in GYROS]
     assert numbers == [[2.0], [1.0], [1.0]]
     assert sheet.of("other", "other") == ()
@@ -196,7 +196,7 @@ def test_a_channel_has_its_own_lines_or_those_of_its_kind(tmp_path):
 def test_a_sheet_of_another_recording_is_refused(tmp_path, text, channels, message):
     sheet = allanfit.read_datasheet(write(tmp_path, text))
     with pytest.raises(DatasheetError, match=message):
-        sheet.check(make_recording(*channels))
+        sheet.check("bench.csv", make_recording(*channels).channels)
 
 
 def test_explain_compares_each_channel_with_the_sheet_of_its_kind(tmp_path):

@@ -44,7 +44,10 @@ def explain(
     interactive: Interactive = True,
     figure: Figure = None,
     posterior: Annotated[
-        bool, typer.Option(help="Sample with emcee and report whether it has settled.")
+        bool,
+        typer.Option(
+            help="Sample each posterior to the end; else a quarter of it, for rough intervals."
+        ),
     ] = True,
     sampling: Sampling = "point",
     seed: Seed = 0,

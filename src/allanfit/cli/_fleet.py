@@ -42,8 +42,17 @@ def fleet(
     Example: allanfit fleet recordings/ --output fleet
     """
     # The stage loads much that the other commands do without.
-    from ..fleet import FleetError, Options, compare, format_summary, run_fleet, write_summary
+    from ..fleet import (
+        FleetError,
+        Options,
+        compare,
+        format_summary,
+        run_fleet,
+        silence,
+        write_summary,
+    )
 
+    silence()
     options = Options(
         rate, unit, topic, tuple(channel) if channel else None, sampling, temperature, seed
     )

@@ -34,7 +34,7 @@ def allan_variance(
 
     Overlapping: half the mean square of the difference of adjacent cluster means over all
     N - 2n + 1 positions (NIST SP 1065, eq. 11). Otherwise the cluster estimator, with means of
-    consecutive clusters, the last one of what is left (SEED eq. 8 has the same form).
+    consecutive clusters, the last one of what is left.
 
     **Arguments:**
 

@@ -9,7 +9,11 @@ def cluster_sizes(samples: int, per_octave: int = 4) -> np.ndarray:
     Beyond a third fewer than one independent difference is left. Neighbours closer than a quarter
     octave are correlated by more than 0.9 and add ink, not information.
 
+    **Arguments:** the samples of a record, and sizes an octave.
+
     **Returns:** increasing integers, shape (sizes,).
+
+    **Raises:** `ValueError` for fewer than 3 samples.
     """
     if samples < 3:
         raise ValueError(f"an Allan variance needs at least 3 samples; got {samples}")

@@ -36,9 +36,9 @@ _Array = np.ndarray | Array
 
 
 class Design(eqx.Module):
-    """Expectations for a sampling interval of one; see the fields. All are NumPy float64.
+    """Expectations for a sampling interval of one; see the fields. All are NumPy when made.
 
-    Fields with an axis of terms run over Q, N, B, K, squared.
+    Fields with an axis of terms run over Q, N, B, K, squared; that of the Allan variance has R too.
     """
 
     lengths: tuple[int, ...] = eqx.field(static=True)

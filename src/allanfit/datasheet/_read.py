@@ -1,13 +1,13 @@
 """Data sheets as YAML: a section a kind of sensor or channel, a line a number."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 from ..coefficient_units import UNITS
 from ..mapping_file import read_mapping
-from ..recording import Channel, Recording
+from ..recording import Channel
 from ._phrase import DatasheetError, parse_phrase, units_of
 from ._words import SENSES, Bound, Line, Sense, meanings_of, nearest, sense_of
 
@@ -46,23 +46,23 @@ class Datasheet:
         named = tuple(line for line in self.lines if line.section == name)
         return named or tuple(line for line in self.lines if line.section == kind)
 
-    def check(self, recording: Recording) -> None:
-        """Find out before a fit whether the data sheet goes with the recording.
+    def check(self, recording: str, channels: Sequence[Channel]) -> None:
+        """Find out before a fit whether the data sheet goes with the channels of a recording.
 
         **Raises** `DatasheetError` if it names a channel that the recording lacks, in units of
         another kind than the channel's, or says nothing about any channel.
         """
-        channels = {channel.name: channel for channel in recording.channels}
+        named = {channel.name: channel for channel in channels}
         for line in self.lines:
-            if line.section not in (*channels, *UNITS):
+            if line.section not in (*named, *UNITS):
                 raise DatasheetError(
-                    f"{self.file} is about {line.section!r}, which {recording.name} has not; it "
-                    f"has {', '.join(channels)}, and a section may be gyro or accelerometer."
+                    f"{self.file} is about {line.section!r}, which {recording} has not; it "
+                    f"has {', '.join(named)}, and a section may be gyro or accelerometer."
                 )
-            self._check_kind(line, channels.get(line.section))
-        if not any(self.of(each.name, each.kind) for each in recording.channels):
+            self._check_kind(line, named.get(line.section))
+        if not any(self.of(each.name, each.kind) for each in channels):
             raise DatasheetError(
-                f"{self.file} says nothing about {', '.join(channels)} of {recording.name}: give "
+                f"{self.file} says nothing about {', '.join(named)} of {recording}: give "
                 "the unit of the recording with --unit, or name a section like the channel."
             )
 

@@ -1,8 +1,8 @@
 """One channel under investigation: what is amiss, found one thing at a time, strongest first.
 
 Order of questions: how samples were made (held, rounded, clipped); whether their noise lasts and
-is normal; then lines, courses in time and smooth effects of the spectrum, in rounds, each round
-taking what is least likely to be chance, until nothing is left that is.
+is normal; then lines, courses in time and smooth effects of the spectrum, in rounds, each of which
+takes one (`_rounds` says which), until nothing is left that is no chance.
 """
 
 from dataclasses import replace

@@ -32,6 +32,8 @@ _MOST_STEPS = 8
 # Spikes more frequent than this are what the noise is like: cut out, they would take its spectrum
 # with them.
 _RARE = 0.05
+# And where so many samples have them, they are the noise itself, which has long tails.
+USUAL = 0.2
 # As far as a scan for a step in white noise goes.
 _STEP_PATH = 100.0
 # Samples of the whitening kernel, and nearly the half-width of a uniform distribution.
@@ -41,8 +43,6 @@ _WIDEST = 1.65
 _END = 32
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
-# And where so many samples have them, they are the noise itself, which has long tails.
-USUAL = 0.2
 
 
 def about_spread(state: Investigation, seed: int) -> bool:

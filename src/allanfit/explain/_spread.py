@@ -53,7 +53,7 @@ class Contamination(NamedTuple):
 class Modulation(NamedTuple):
     """Two levels of variance."""
 
-    #: Standard deviation of the loud times over that of the quiet ones, and 95 % of its draws.
+    #: Standard deviation of the loud times over that of the quiet ones, and draws of that.
     ratio: float
     draws: Float[np.ndarray, " draws"]
     #: Which samples are loud.

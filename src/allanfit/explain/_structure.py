@@ -6,9 +6,9 @@ sample. The expected density is
 
     bump(f) (H(f) (N + B + K) + Q + foreign + added noises),
 
-with the filter H in front of the converter, whose rounding and whose angle quantization it does
-not see. Aliases of what passes the filter are in it. `foreign` is white noise of known size that
-does not belong to N.
+with the filter H in front of the converter, whose angle quantization it does not see; aliases of
+what passes are in it. A filter behind the converter passes H(f) Q instead. `foreign` is white noise
+of known size that does not belong to N, and that no filter sees.
 """
 
 from typing import Any, NamedTuple
@@ -237,19 +237,6 @@ def _gains(theta: Theta, kinds: Kinds, data: Data) -> tuple[Any, Any, Any]:
     return shaped(kinds.shaping, theta[TERMS : TERMS + EACH], data.bins.nodes, data.samples)
 
 
-def powers(theta: Theta, data: Data) -> Float[Array, " terms"]:
-    """Squares of Q, N, B, K."""
-    return jnp.where(jnp.asarray(data.terms), jnp.exp(jnp.clip(theta[:TERMS], FLOOR, 60)), 0.0)
-
-
-def columns(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "bins terms"]:
-    """What unit powers of Q, N, B, K put into each bin, filter and bump included."""
-    folded, passed, bump = _gains(theta, kinds, data)
-    angle = folded if kinds.angle_filtered else jnp.ones_like(folded)
-    gain = jnp.stack([angle, folded, passed, passed], axis=1)
-    return jnp.asarray(held_columns(data)) * gain * bump[:, None]
-
-
 def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
     """What unit powers of Q, N, B, K put into each bin when samples are held, and nothing else."""
     plain = np.asarray(data.bins.expected)
@@ -290,13 +277,6 @@ def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slo
         for name, three in zip(kinds.added, slots, strict=True)
     ]
     return jnp.stack(found) if found else jnp.zeros((0, bump.shape[0]))
-
-
-def expected(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, " bins"]:
-    """The expected density of each bin [u^2]."""
-    _, _, bump = _gains(theta, kinds, data)
-    noise = columns(theta, kinds, data) @ powers(theta, data)
-    return noise + effects_density(theta, kinds, data).sum(axis=0) + data.foreign * bump
 
 
 def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:

@@ -1,7 +1,8 @@
 """A record made white, so that what is left shows what no spectrum can.
 
-The level is the five-term fit times a smoothed, robust ratio of the data to it, so that a record is
-white after it whatever its noise, except where something is narrow or does not last.
+The level is what the model expects, with the effects found so far, times a smoothed, robust ratio
+of the data to it, so that a record is white after it whatever its noise, except where something is
+narrow or does not last.
 """
 
 import numpy as np

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..physics import AbstractEffect, parameter_unit, parameter_values
+from ..physics import AbstractAddedNoise, AbstractEffect, parameter_unit, parameter_values
 from ..report._format import significant
 from ._read import FitChannel
 from ._state_space import Part, State
@@ -17,7 +17,12 @@ def effect_parts(channel: FitChannel) -> tuple[list[Part], list[str]]:
     for index, effect in enumerate(channel.effects, 1):
         make = _MAKERS.get(effect.name)
         if make is None:
-            how.append("not in these matrices: it is no stationary noise beside the others")
+            why = (
+                "no finite number of states has its spectrum"
+                if isinstance(effect, AbstractAddedNoise)
+                else "it is no stationary noise beside the others"
+            )
+            how.append(f"not in these matrices: {why}")
             continue
         suffix = "" if len(channel.effects) == 1 else f"_{index}"
         values = {name: float(value) for name, value in parameter_values(effect).items()}

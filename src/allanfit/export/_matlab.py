@@ -93,8 +93,11 @@ def _left_out(found: dict[str, Sensor]) -> list[str]:
     for sensor in found.values():
         for symbol in "BK":
             names = [axis.name for axis in sensor.axes if not axis.coefficients[symbol].resolved]
+            # Unless each of three axes has its own value, one that is resolved serves for all.
+            zero = len(sensor.axes) in (3, len(names))
+            instead = "set to zero" if zero else "taken to be that of the others"
             if names:
-                notes.append(f"{symbol} of {', '.join(names)} is not resolved, and set to zero.")
+                notes.append(f"{symbol} of {', '.join(names)} is not resolved, and {instead}.")
         for symbol in "QR":
             names = [axis.name for axis in sensor.axes if axis.coefficients[symbol].resolved]
             if names:

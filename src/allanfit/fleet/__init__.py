@@ -5,6 +5,7 @@ rows; `format_summary` and `write_summary` tell what it finds. The extra `fleet`
 needed (`pip install allanfit[fleet]`).
 """
 
+from ._cluster import silence as silence
 from ._compare import Comparison as Comparison
 from ._compare import compare as compare
 from ._errors import FleetError as FleetError

@@ -33,9 +33,6 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
     """
     with fleet_extra():
         import distributed
-    # What concerns the user is said by the command. The levels are those that dask sets.
-    for name in ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     if scheduler is not None:
         _knock(scheduler)
         with _client(distributed, scheduler) as client:
@@ -52,6 +49,17 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
         _client(distributed, cluster) as client,
     ):
         yield client
+
+
+def silence() -> None:
+    """No logs of a cluster, in this process: what concerns the user is said by the command.
+
+    Also what its threads would tell after the end.
+    """
+    with fleet_extra():
+        import distributed  # noqa: F401  (sets the levels of its own)
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _cores() -> int:

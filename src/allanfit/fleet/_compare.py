@@ -225,7 +225,7 @@ def _outlier(
 ) -> Outlier:
     row = group[index]
     others = [each for each in group if each is not row]
-    said = Counter(_gist(text) for each in others for text in set(each["findings"]))
+    said = Counter(gist for each in others for gist in set(map(_gist, each["findings"])))
     return Outlier(
         device=devices[index],
         quantity=row["quantity"],
@@ -247,4 +247,6 @@ def _gist(finding: str) -> str:
 
 def _natural(name: str) -> list[tuple[int, str]]:
     """A key by which unit 2 comes before unit 10."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
+    return [
+        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
+    ]

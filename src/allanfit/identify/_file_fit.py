@@ -43,6 +43,8 @@ def fit_file(
     does not go with it.
     """
     blocks = read_in_blocks(path, **options)
+    if datasheet is not None:
+        datasheet.check(blocks.name, blocks.channels)
     statistics = read_statistics(blocks)
     digest = hashlib.sha256()
     channels = tuple(
@@ -66,8 +68,6 @@ def fit_file(
         checksum=digest.hexdigest(),
         lost=blocks.lost,
     )
-    if datasheet is not None:
-        datasheet.check(recording)
     entries = []
     for channel, result in zip(channels, fits, strict=True):
         drawn = None

@@ -76,7 +76,7 @@ def influence(
 ) -> Influence:
     """Which pieces of the record drive each least-squares coefficient.
 
-    The shares are exact parts of the coefficient (Euler's theorem, see the module). A piece
+    The shares are exact parts of the coefficient (Parseval's theorem, see `_shares`). A piece
     stands out where its share is one that fewer than 1 % of recordings that follow the fitted
     model throughout would have anywhere, in any resolved term: 1000 such are simulated.
 

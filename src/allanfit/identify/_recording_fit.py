@@ -238,12 +238,16 @@ def fit_recording(
     - `datasheet`: from `allanfit.read_datasheet`, to be compared with each channel it is about.
     - `pieces`: which channels are told the influence of their pieces, "all" or the "misfits" that
       the five terms do not fit. It takes several times as long as the fit.
+    - `sampling`: whether samples are values at a time ("point") or means since the one before
+      ("averaged").
+    - `seed`: the same seed gives the same intervals.
     - `announce`, `done`: called with each channel's name before its fit, and after it.
 
-    **Raises:** `DatasheetError` if the data sheet does not go with the recording.
+    **Raises:** `DatasheetError` if the data sheet does not go with the recording, `ValueError` if
+    no stretch of a channel is long enough for a fit.
     """
     if datasheet is not None:
-        datasheet.check(recording)
+        datasheet.check(recording.name, recording.channels)
     fits = []
     for channel in recording.channels:
         announce(channel.name)

@@ -35,9 +35,9 @@ _WANTED_SAMPLES = 1000
 class Posterior:
     """Draws from the posterior of one sensor's coefficients, and whether to believe them."""
 
-    #: Shape (walkers, steps, 5) for Q, N, B, K, R; SI, the ramp signed.
+    #: Shape (walkers, steps, 5) for Q, N, B, K, R in the unit of the fitted data, the ramp signed.
     draws: Float[np.ndarray, "walkers steps terms"]
-    #: Split R-hat and effective sample size of each coefficient's logarithm (the ramp: itself).
+    #: Split R-hat and effective sample size of each coefficient.
     r_hat: dict[str, float]
     effective_sample_size: dict[str, float]
     acceptance_fraction: float
@@ -99,8 +99,15 @@ def sample(
 
     - `fit`: one sensor's fit, from `allanfit.fit`.
     - `seed`: the same seed gives the same draws.
+    - `most_rounds`: at least 1.
     - `progress`: show a progress bar.
+
+    **Raises:** `ValueError` for less than one round, or a fit of several sensors.
     """
+    if most_rounds < 1:
+        raise ValueError(f"most_rounds must be at least 1; got {most_rounds}")
+    if fit.estimate.statistics.density.ndim > 1:
+        raise ValueError("sample takes the fit of one sensor: fit one series of the batch alone")
     design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
     data = target(fit.estimate.statistics, design)
     solution = solve(data)

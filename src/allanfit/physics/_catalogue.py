@@ -60,18 +60,22 @@ _AXES = {"times": 1, "heights": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
 _FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass"}
 _SIGNED = {"amplitude", "height", "sensitivity", "coefficient", "droop"}
-# Of the others, those that may be zero or must not be large.
+# Of the others, those that have bounds other than zero.
 _RANGES = {
     "sigma": (0.0, math.inf),
     "density": (0.0, math.inf),
     "fraction": (0.0, 0.99),
     "repeat": (1.0, math.inf),
+    "order": (math.nextafter(0.5, 1), math.inf),
+    "exponent": (0.0, 3.0),
 }
 _RANGE_WORDS = {
     "sigma": "zero or more",
     "density": "zero or more",
     "fraction": "between 0 and 0.99",
     "repeat": "1 or more",
+    "order": "above 0.5",
+    "exponent": "between 0 and 3",
 }
 
 
@@ -79,7 +83,7 @@ def effect_from(name: str, parameters: Mapping[str, Any]) -> AbstractEffect:
     """The effect of a name with its parameters, numbers or lists in the units of the class.
 
     **Raises:** `ValueError` for a name or a parameter that is not known, one that is missing, and
-    a value of the wrong shape.
+    a value of the wrong shape or out of range.
 
     >>> effect_from("warm_up", {"amplitude": 0.1, "time_constant": 600}).name
     'warm_up'

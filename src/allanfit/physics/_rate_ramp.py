@@ -12,7 +12,7 @@ class RateRamp(AbstractNoiseTerm):
     """The mean R t, R in u/s: sigma^2(tau) = R^2 tau^2/2.
 
     It has no spectral density: the R^2/(2 pi f)^3 that IEEE Std 952 prints does not lead to this
-    Allan variance, and a periodogram cannot tell a ramp from a random walk with K^2 = R^2 T.
+    Allan variance, and a periodogram cannot tell a ramp from a random walk with K^2 = R^2 T/2.
     """
 
     coefficient: Float[Array, ""]

@@ -46,11 +46,16 @@ def draw_recording(
 ) -> Float[Array, " samples"]:
     """Draw the terms of a model and apply effects, in the order of a sensor.
 
-    That order is low-pass filters, modulation of white and quantization noise, bumps, added noises
-    and means, outliers, lost samples, the bias, the end of the range, rounding and holding,
-    whatever the order of `effects`. A filter passes white noise with its aliases and slow noise
-    without any, and neither the quantization noise, which the counting behind it makes (in front of
-    a digital filter), nor the ramp, which it does not change.
+    That order is low-pass filters, modulation of white and quantization noise, bumps, added noises,
+    means, temperature, vibration rectification, outliers, lost samples, the bias, the end of the
+    range, rounding and holding, whatever the order of `effects`. A filter in front of the converter
+    passes white noise with its aliases and slow noise without any; quantization noise is made
+    behind it. One behind the converter passes all of them. No filter changes the ramp.
+
+    **Arguments:** coefficients and parameters in a unit u and s, `dt` [s] between samples, and the
+    `bias` [u].
+
+    **Returns:** samples [u], shape (samples,).
     """
     length = samples
     for effect in effects:
