@@ -14,7 +14,7 @@ from ..curves import unit_scale
 from ..identify import ChannelFit, Fit, fit_series
 from ..identify._goodness import goodness_of_fit
 from ..identify._recording_fit import channel_header, coefficients_document, recording_document
-from ..physics import EFFECTS, Sampling, parameter_unit
+from ..physics import EFFECTS, Sampling, parameter_unit, unit_power
 from ..recording import Channel, Recording
 from ..temperature import believable, beside
 from ._after import fit_after
@@ -158,8 +158,8 @@ class ChannelExplanation:
     def _unit(self, effect: Effect, name: str) -> tuple[str, float]:
         """The unit that a parameter is told in, and one such unit in SI and seconds."""
         parameter = next(each for each in EFFECTS[effect.name].parameters if each.name == name)
-        power = {"u": 1, "u/K": 1, "u^2/Hz": 2, "1/u": -1}.get(parameter.unit, 0)
-        return parameter_unit(parameter, self.channel.unit), self.channel.factor**power
+        size = self.channel.factor ** unit_power(parameter)
+        return parameter_unit(parameter, self.channel.unit), size
 
     def _improvement(self) -> dict[str, Any] | None:
         if self.held_out is None:

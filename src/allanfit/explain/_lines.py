@@ -101,9 +101,7 @@ class Sine(NamedTuple):
     """A sinusoid by least squares."""
 
     frequency: float
-    amplitude: float
     frequency_deviation: float
-    amplitude_deviation: float
     #: What twice the log-likelihood gains by it.
     gain: float
 
@@ -112,7 +110,7 @@ def refine(white: Float[np.ndarray, " samples"], peak: Peak, level: float) -> Si
     """The best sinusoid within a peak of the whitened record [cycles per sample].
 
     `level` is the one-sided density of the record there, for a sampling interval of one [u^2].
-    Deviations are the Cramer-Rao bounds (Rife and Boorstyn 1974, IEEE Trans. IT 20:591).
+    The deviation is the Cramer-Rao bound (Rife and Boorstyn 1974, IEEE Trans. IT 20:591).
     """
     samples = white.size
     time = np.arange(samples) - (samples - 1) / 2
@@ -126,8 +124,6 @@ def refine(white: Float[np.ndarray, " samples"], peak: Peak, level: float) -> Si
     amplitude = float(np.sqrt(2 * gain / samples * level / 2))
     return Sine(
         frequency,
-        amplitude,
         float(np.sqrt(12 * level / (amplitude**2 * samples**3)) / (2 * np.pi)),
-        float(np.sqrt(level / samples)),
         float(gain),
     )

@@ -19,6 +19,7 @@ from ._effect import Parameter as Parameter
 from ._effect_units import parameter_unit as parameter_unit
 from ._effect_units import parameter_values as parameter_values
 from ._effect_units import scaled as scaled
+from ._effect_units import unit_power as unit_power
 from ._gauss_markov import GaussMarkov as GaussMarkov
 from ._low_pass import LowPass as LowPass
 from ._low_pass import running_mean_gain as running_mean_gain

@@ -11,6 +11,15 @@ from ._effect import AbstractEffect, Parameter
 _POWERS = {"u": 1, "u^2/Hz": 2, "u/K": 1, "1/u": -1}
 
 
+def unit_power(parameter: Parameter) -> int:
+    """How often the unit of the channel is a factor of a parameter's.
+
+    >>> unit_power(Parameter("density", "u^2/Hz"))
+    2
+    """
+    return _POWERS.get(parameter.unit, 0)
+
+
 def parameter_unit(parameter: Parameter, unit: str) -> str:
     """The unit of a parameter on a channel that carries `unit`.
 
@@ -36,7 +45,7 @@ def parameter_values(effect: AbstractEffect) -> dict[str, Float[Array, "..."]]:
 
 def scaled(effect: AbstractEffect, factor: float) -> AbstractEffect:
     """The effect on a channel whose numbers are `factor` times as large, as in another unit."""
-    fields = {field_of(each): _POWERS.get(each.unit, 0) for each in effect.parameters}
+    fields = {field_of(each): unit_power(each) for each in effect.parameters}
     moved = {
         field: jnp.asarray(vars(effect)[field] * factor**power)
         for field, power in fields.items()

@@ -34,6 +34,10 @@ _HEIGHTS = (2.1, 1.3)
 _NUMBERS_INCHES = 0.12
 _ROOM_BELOW_DATA = 3.0
 _NARROWEST = 0.012  # of a shaded band, in widths of the axes: a line in a spectrum has none
+# Allan variance feels a frequency f most at the averaging time _FELT/f, where the transfer function
+# sin^4(pi f tau)/(pi f tau)^2 has its maximum.
+_FELT = 0.371
+_SEEN_AT = {"tau": ("frequency",)}
 _NUMBER_APART = 0.045  # two numbers closer than this would overlap
 _LARGEST_LINEAR_RATIO = 2.5
 LARGEST_FINE_RATIO = 60.0
@@ -217,15 +221,20 @@ def bands(
 ) -> list[Band]:
     """Where recording and model differ in a domain, numbered as in the list.
 
+    What differs in frequency does so at the averaging times that feel it most, too.
+
     **Arguments**: `across` turns places along the axes, which end at `limits`, into widths of
     the axes; `unit` is the size of their unit. A number that would hide another is left out.
     """
     found: list[Band] = []
     taken: list[float] = []
     for number, entry in enumerate(channel["mismatch"], start=1):
-        if entry["domain"] != domain:
+        if entry["domain"] not in (domain, *_SEEN_AT.get(domain, ())):
             continue
-        ends = np.clip(np.array([entry["low"], entry["high"]]) / unit, *limits)
+        low, high = entry["low"], entry["high"]
+        if entry["domain"] != domain:
+            low, high = _FELT / high, _FELT / low if low > 0 else np.inf
+        ends = np.clip(np.array([low, high]) / unit, *limits)
         low, high = across(ends).tolist()
         middle = (low + high) / 2
         half = max((high - low) / 2, _NARROWEST / 2)
