@@ -10,14 +10,13 @@ from jaxtyping import Float
 from ..coefficients import read_coefficients
 from ..curves import unit_scale
 from ..identify import Fit, fit_series
+from ..identify._goodness import MISFIT
 from ..physics import SYMBOLS, Sampling
 from ..recording import Channel
 from ..recording._units import parse_unit
 
 #: Coefficients by symbol in the unit of the channel, or a file of them.
 StatedNoise = Mapping[str, float] | str | os.PathLike[str]
-
-_MISFIT = 0.01
 
 
 class Noise(NamedTuple):
@@ -90,7 +89,7 @@ def fitted_noise(
             f"The noise of {name} cannot be fitted; give its coefficients with --noise."
         )
     findings = ()
-    if float(fit.goodness_of_fit) < _MISFIT:
+    if float(fit.goodness_of_fit) < MISFIT:
         findings += (
             f"{name}: something is left out of the five-term noise model, and the intervals are "
             "only as good as that; allanfit fit shows where.",

@@ -206,22 +206,23 @@ def expected_ordinates(
 def _density(
     term: type[AbstractNoiseTerm], sampling: Sampling, frequency: Float[Array, " chunk"]
 ) -> Float[Array, " chunk"]:
-    return _one(term).density(frequency, 1.0, sampling)
+    return unit_term(term).density(frequency, 1.0, sampling)
 
 
 @partial(jax.jit, static_argnums=0)
 def _low_mode_ratio(
     term: type[AbstractNoiseTerm], samples: Int[Array, ""]
 ) -> Float[Array, " modes"]:
-    return _one(term).low_mode_ratio(jnp.arange(1.0, _LOW_MODES + 1), samples)
+    return unit_term(term).low_mode_ratio(jnp.arange(1.0, _LOW_MODES + 1), samples)
 
 
 @partial(jax.jit, static_argnums=(0, 1))
 def _allan_variance(
     term: type[AbstractNoiseTerm], sampling: Sampling, sizes: Float[Array, " sizes"]
 ) -> Float[Array, " sizes"]:
-    return _one(term).allan_variance(sizes, 1.0, sampling)
+    return unit_term(term).allan_variance(sizes, 1.0, sampling)
 
 
-def _one(term: type[AbstractNoiseTerm]) -> AbstractNoiseTerm:
+def unit_term(term: type[AbstractNoiseTerm]) -> AbstractNoiseTerm:
+    """The term with a coefficient of one."""
     return term(jnp.asarray(1.0))  # pyright: ignore[reportCallIssue]  (every term has this one field)

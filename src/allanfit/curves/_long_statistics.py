@@ -9,22 +9,21 @@ import numpy as np
 from jaxtyping import Float
 
 from ..physics import Sampling
+from ..recording._timestamps import SHORTEST_STRETCH
 from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
 from ._design import (
     BINS_PER_DECADE,
-    NOISE_TERMS,
     RAMP_MODES,
     Design,
     expected_allan,
-    expected_ordinates,
+    mode_variances,
 )
 from ._long import LongAllanVariance
 from ._long_spectrum import LongSpectrum, Part, in_slots, segment_parts, slot_centres, whole_part
 from ._spectrum import RampProjection, ramp_coefficients
 from ._statistics import Statistics
 
-_SHORTEST_STRETCH = 16
 # No record is longer, and sizes beyond its length cost next to nothing.
 _LONGEST = 2**44
 
@@ -69,7 +68,7 @@ class LongStatistics:
         **Raises:** `ValueError` for samples that are not finite.
         """
         self._length += block.size
-        if self._length < _SHORTEST_STRETCH:
+        if self._length < SHORTEST_STRETCH:
             self._short.append(block)
             return
         block = np.concatenate([*self._short, block]) if self._short else block
@@ -81,7 +80,7 @@ class LongStatistics:
 
     def end_stretch(self) -> None:
         """What comes next is behind a gap."""
-        if self._length >= _SHORTEST_STRETCH:
+        if self._length >= SHORTEST_STRETCH:
             self._await_spectrum()
             self._allan.end_stretch()
             odd = self._spectrum.end_stretch()[: 2 * RAMP_MODES : 2]
@@ -114,7 +113,7 @@ def _design(lengths: tuple[int, ...], sampling: Sampling) -> tuple[Design, np.nd
     for length in lengths:
         times.update(segment_parts(length))
     with jax.enable_x64(True):
-        expected = {part: _expected(part, sampling) for part in times}
+        expected = {part: 2 * mode_variances(part.samples, part.modes, sampling) for part in times}
         sizes = cluster_sizes(max(lengths))
         allan = expected_allan(sizes, sampling)
     ramps = [_ramp(part, expected[part]) for part in wholes]
@@ -141,13 +140,6 @@ def _design(lengths: tuple[int, ...], sampling: Sampling) -> tuple[Design, np.nd
         allan=allan,
     )
     return layout, np.maximum(np.cumsum(used) - 1, 0)[place]
-
-
-def _expected(part: Part, sampling: Sampling) -> Float[np.ndarray, "modes terms"]:
-    """Ordinates of orders 1 and up per unit power, the ramp's place in them included."""
-    frequency = np.arange(1, part.modes + 1) / (2 * part.samples)
-    columns = [expected_ordinates(term, part.samples, frequency, sampling) for term in NOISE_TERMS]
-    return np.stack(columns, axis=-1)
 
 
 def _in_slots(

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..physics import ALLAN_FLOOR
 from ._allan import allan_variance
 from ._input import as_series
 
@@ -15,7 +16,7 @@ _SLOPES = {"Q": -1.0, "N": -0.5, "B": 0.0, "K": 0.5, "R": 1.0}
 _FACTORS = {
     "Q": 1 / math.sqrt(3),
     "N": 1.0,
-    "B": 1 / math.sqrt(2 * math.log(2) / math.pi),
+    "B": 1 / math.sqrt(ALLAN_FLOOR),
     "K": math.sqrt(3),
     "R": math.sqrt(2),
 }

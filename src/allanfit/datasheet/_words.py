@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Literal, NamedTuple, get_args
 
-from ..physics import STANDARD_TERMS
+from ..physics import ALLAN_FLOOR, STANDARD_TERMS
 
 Meaning = Literal["coefficient", "one_sided_density", "allan_minimum"]
 Bound = Literal["typical", "max"]
 
 #: Allan deviation of flicker alone over B (IEEE Std 952, annex C, bias instability).
-FLICKER_FLOOR = math.sqrt(2 * math.log(2) / math.pi)
+FLICKER_FLOOR = math.sqrt(ALLAN_FLOOR)
 
 _BESIDE = re.compile(r"(.*\S) ?\((.*)\)")
 _MEANINGS_OF: dict[str, tuple[Meaning, ...]] = {

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..physics import BiasInstability, RateRandomWalk, WhiteNoise, coefficient_unit
+from ..physics import ALLAN_FLOOR, BiasInstability, RateRandomWalk, WhiteNoise, coefficient_unit
 from ..report._format import printable, significant
 from ._doubts import doubts
 from ._effect_parts import left_out
@@ -12,7 +12,6 @@ from ._errors import ExportError
 from ._options import LIMIT, Options
 from ._read import Coefficient, FitChannel, FitFile
 
-_ALLAN_FLOOR = 2 * math.log(2) / math.pi
 _TERMS = {"N": WhiteNoise, "B": BiasInstability, "K": RateRandomWalk}
 KINDS = {"gyro": "gyroscope", "accelerometer": "accelerometer"}
 
@@ -116,7 +115,7 @@ class Sensor:
         """The walk whose Allan variance at `seconds` is that of B and K together."""
         walk, bias = self.si(axis, "K"), self.si(axis, "B")
         square = walk.value**2 * walk.resolved
-        square += 3 * _ALLAN_FLOOR * bias.value**2 * bias.resolved / seconds
+        square += 3 * ALLAN_FLOOR * bias.value**2 * bias.resolved / seconds
         return math.sqrt(square)
 
 

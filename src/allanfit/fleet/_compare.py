@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..identify._goodness import MISFIT
 from ..physics import SYMBOLS
 from ._devices import labels
 from ._outliers import FEWEST, Deviate, outliers
@@ -21,7 +22,6 @@ FALSE_ALARM = 0.01
 _SHARES = {"coefficient": 0.7, "fit": 0.15, "spectrum": 0.15}
 # A fleet is compared by values where so many devices resolve them, else by limits.
 _MOSTLY = 0.75
-_MISFIT = 0.01
 _QUANTILE_95 = 1.959964
 
 
@@ -133,7 +133,7 @@ def compare(rows: Sequence[Row]) -> Comparison:
             ]
         found += _odd_fits(group, devices, FALSE_ALARM * _SHARES["fit"] / asked)
         found += _odd_spectra(group, devices, FALSE_ALARM * _SHARES["spectrum"] / asked)
-        misfits = sum(row["p_value"] < _MISFIT for row in group)
+        misfits = sum(row["p_value"] < MISFIT for row in group)
         quantities.append(Quantity(name, unit, devices, tuple(coefficients), misfits))
     found.sort(key=lambda each: _natural(each.device))
     return Comparison(tuple(quantities), tuple(found))
@@ -190,7 +190,7 @@ def _bound(coefficient: Coefficient, index: int) -> Bound:
 def _odd_fits(group: Sequence[Row], devices: Sequence[str], alpha: float) -> list[Outlier]:
     """Devices that the five terms do not describe, in a fleet that they do."""
     p_values = np.array([row["p_value"] for row in group])
-    if len(group) < FEWEST or np.median(p_values) < _MISFIT:
+    if len(group) < FEWEST or np.median(p_values) < MISFIT:
         return []
     odd = np.flatnonzero(p_values < alpha / len(group))
     return [_outlier(group, devices, int(i), "fit", float(p_values[i])) for i in odd]

@@ -10,10 +10,9 @@ from jaxtyping import Array, Bool, Float
 
 from ..curves import Design, as_series, design
 from ..physics import SYMBOLS, Sampling
+from ..recording._checks import FEWEST_SAMPLES
+from ..recording._timestamps import SHORTEST_STRETCH
 from ._estimate import Estimate, estimate
-
-_SHORTEST = 256
-_SHORTEST_STRETCH = 16
 
 
 class Fit(eqx.Module):
@@ -175,10 +174,10 @@ def fit_series(
 
 def check_lengths(lengths: tuple[int, ...]) -> None:
     """Raise `ValueError` if stretches of these lengths are too short for a fit."""
-    if sum(lengths) < _SHORTEST or min(lengths, default=0) < _SHORTEST_STRETCH:
+    if sum(lengths) < FEWEST_SAMPLES or min(lengths, default=0) < SHORTEST_STRETCH:
         raise ValueError(
-            f"a fit needs at least {_SHORTEST} samples in stretches of at least "
-            f"{_SHORTEST_STRETCH}; got stretches of {list(lengths)}"
+            f"a fit needs at least {FEWEST_SAMPLES} samples in stretches of at least "
+            f"{SHORTEST_STRETCH}; got stretches of {list(lengths)}"
         )
 
 

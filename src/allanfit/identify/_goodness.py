@@ -7,6 +7,9 @@ from jaxtyping import Array, Float, Int
 
 from ._likelihood import Powers, fisher_information
 
+#: p-value below which a model is said not to fit.
+MISFIT = 0.01
+
 
 def goodness_of_fit(
     deviance: Float[Array, ""], shape: Float[Array, " bins"], fitted: Float[Array, ""]

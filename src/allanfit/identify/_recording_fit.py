@@ -25,13 +25,12 @@ from ..temperature import (
 )
 from ._curves_document import curves_document
 from ._fit import Fit, fit_series
+from ._goodness import MISFIT
 from ._influence import Influence, influence
 from ._influence_document import influence_document, influence_findings
 from ._sample import Posterior, sample
 
 SCHEMA = "allanfit.fit/1"
-# Below this the five-term model is said not to fit.
-_MISFIT = 0.01
 # Standard deviations by which the spectrum must fall short near the Nyquist frequency.
 _DEFICIT = 3.0
 # Pieces whose influence is told, if each has as many samples.
@@ -70,7 +69,7 @@ class ChannelFit:
         shown = Shown(
             np.asarray(fit.estimate.draws),
             {symbol: bool(seen) for symbol, seen in fit.resolved.items()},
-            bool(fit.goodness_of_fit >= _MISFIT),
+            bool(fit.goodness_of_fit >= MISFIT),
             1 / float(fit.rate_hz),
             np.asarray(design.cluster_sizes, float),
             np.sqrt(np.asarray(fit.estimate.statistics.allan, float)),
@@ -86,7 +85,7 @@ class ChannelFit:
         if not bool(self.fit.converged):
             found.append("The fit did not converge; its numbers mean nothing.")
             return tuple(found)
-        if float(self.fit.goodness_of_fit) < _MISFIT:
+        if float(self.fit.goodness_of_fit) < MISFIT:
             found.append(
                 "Something is left out of the five-term model, and the coefficients carry its "
                 "mark: their intervals are only as good as the model."
@@ -138,7 +137,7 @@ class ChannelFit:
             "coefficients": coefficients_document(result, channel),
             "goodness_of_fit": {
                 "p_value": _number(result.goodness_of_fit),
-                "consistent": bool(result.goodness_of_fit >= _MISFIT),
+                "consistent": bool(result.goodness_of_fit >= MISFIT),
             },
             "curves": curves_document(result, channel.factor),
             "findings": list(self.findings),
@@ -273,7 +272,7 @@ def fit_recording(
             drawn = sample(result, seed=seed)
             result = result.with_draws(drawn.draws.reshape(-1, len(STANDARD_TERMS)))
         parts = None
-        if pieces == "all" or float(result.goodness_of_fit) < _MISFIT:
+        if pieces == "all" or float(result.goodness_of_fit) < MISFIT:
             parts = _influence(samples, channel.stretches, result)
         fits.append(ChannelFit(channel, result, drawn, parts, found, remarks, datasheet))
         done()

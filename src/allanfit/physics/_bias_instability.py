@@ -1,5 +1,6 @@
 """Bias instability: flicker noise of the rate or acceleration."""
 
+import math
 from typing import ClassVar
 
 import jax.numpy as jnp
@@ -10,7 +11,8 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 from ._stationary import sample_from_autocovariance
 from ._term import AbstractNoiseTerm, Names, Sampling
 
-_ALLAN_FLOOR = 2 * np.log(2) / np.pi
+#: Allan variance over B^2, at all averaging times.
+ALLAN_FLOOR = 2 * math.log(2) / math.pi
 
 
 class BiasInstability(AbstractNoiseTerm):
@@ -45,7 +47,7 @@ class BiasInstability(AbstractNoiseTerm):
     ) -> Float[Array, "*shape"]:
         """(2 ln 2/pi) B^2 [u^2], more at small n when point-sampled (44 % at n = 1)."""
         if sampling == "averaged":
-            return self.coefficient**2 * _ALLAN_FLOOR * jnp.ones_like(cluster_size)
+            return self.coefficient**2 * ALLAN_FLOOR * jnp.ones_like(cluster_size)
         difference = _doubly_summed_structure(2 * cluster_size)
         difference -= 4 * _doubly_summed_structure(cluster_size)
         return self.coefficient**2 * difference / (2 * cluster_size**2)

@@ -5,13 +5,12 @@ from bisect import bisect_left
 from collections.abc import Mapping
 
 from ..physics import Sampling
+from ..recording._checks import FEWEST_SAMPLES
 from ._errors import relative_errors
 
 #: The longest record that anybody is told to make.
 LONGEST_YEARS = 10
 _YEAR_S = 365.25 * 86400
-# The fewest samples that a fit takes.
-_SHORTEST = 256
 _TOLERANCE = 1e-3
 
 
@@ -34,11 +33,11 @@ def shortest_samples(
     longest = longest_samples(rate_hz)
     if excess(longest) > 0:
         return None
-    octaves = math.ceil(math.log2(longest / _SHORTEST))
-    octave = bisect_left(range(octaves), True, key=lambda k: excess(_SHORTEST << k) <= 0)
+    octaves = math.ceil(math.log2(longest / FEWEST_SAMPLES))
+    octave = bisect_left(range(octaves), True, key=lambda k: excess(FEWEST_SAMPLES << k) <= 0)
     if octave == 0:
-        return _SHORTEST
-    low, high = _SHORTEST << (octave - 1), min(_SHORTEST << octave, longest)
+        return FEWEST_SAMPLES
+    low, high = FEWEST_SAMPLES << (octave - 1), min(FEWEST_SAMPLES << octave, longest)
     above, below = excess(low), excess(high)
     while high - low > 1:
         guess = low * (high / low) ** (above / (above - below))

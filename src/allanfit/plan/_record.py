@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Float
 
 from ..curves._bins import logarithmic_edges
-from ..curves._design import BINS_PER_DECADE, NOISE_TERMS, RAMP_MODES
+from ..curves._design import BINS_PER_DECADE, NOISE_TERMS, RAMP_MODES, unit_term
 from ..curves._spectrum import RampProjection, ramp_coefficients
-from ..physics import AbstractNoiseTerm, Sampling
+from ..physics import Sampling
 
 _EXACT_ORDERS = 4096
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -97,7 +97,9 @@ def _densities(frequency: np.ndarray, sampling: Sampling) -> np.ndarray:
 def _density_table(sampling: Sampling) -> np.ndarray:
     with jax.enable_x64(True):
         frequency = jnp.asarray(_TABLE)
-        rows = jax.jit(lambda f: [_one(term).density(f, 1.0, sampling) for term in NOISE_TERMS])
+        rows = jax.jit(
+            lambda f: [unit_term(term).density(f, 1.0, sampling) for term in NOISE_TERMS]
+        )
         return np.log(np.stack([np.asarray(row) for row in rows(frequency)]))
 
 
@@ -105,9 +107,5 @@ def _low_mode_ratios(samples: int) -> np.ndarray:
     """What the ends of the record do to the lowest orders, shape (orders, 4)."""
     with jax.enable_x64(True):
         order = jnp.arange(1.0, _EXACT_ORDERS + 1)
-        rows = [_one(term).low_mode_ratio(order, samples) for term in NOISE_TERMS]
+        rows = [unit_term(term).low_mode_ratio(order, samples) for term in NOISE_TERMS]
         return np.stack([np.asarray(row) for row in rows], axis=-1)
-
-
-def _one(term: type[AbstractNoiseTerm]) -> AbstractNoiseTerm:
-    return term(jnp.asarray(1.0))  # pyright: ignore[reportCallIssue]  (every term has this one field)
