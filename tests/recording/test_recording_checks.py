@@ -143,6 +143,13 @@ def test_saturation_is_found_on_each_rail(both, width, archive):
     assert told[-1].startswith(("6.7 %", "6.8 %", "6.9 %", "7 %", "7.1 %"))
 
 
+@pytest.mark.parametrize("rail", [1.9, 2.63])
+def test_a_rail_between_two_codes(archive, rail):
+    samples = np.minimum(rounded(white(), 0.25), rail)
+    (told,) = findings(samples, archive)
+    assert told.endswith(f"at the extreme value {rail} deg/s: the output was saturated.")
+
+
 def test_broken_values_split_and_short_stretches_are_left_out(archive):
     samples = white()
     samples[[1_000, 1_010, 20_000]] = [np.nan, np.inf, -np.inf]

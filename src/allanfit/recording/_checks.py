@@ -27,6 +27,9 @@ _ENOUGH = 200_000
 _PILE, _HIGHER, _NO_CHANCE = 3, 3.0, 1e-4
 # Samples in the bin next to an extreme, at least.
 _IN_BIN = 8
+# Parts of a code within which a value lies on one, codes over which their width is known as well,
+# and how much alike the places of values between two codes are then.
+_AT_CODE, _NEAR, _ALIKE = 0.02, 8.0, 0.95
 _WINDOW = 64
 
 
@@ -100,6 +103,9 @@ def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
     values = np.sort(_fresh(samples)[:_ENOUGH])
     if values[0] == values[-1]:
         return 0.0
+    # The end of a range need not be a code.
+    inside = values[(values > values[0]) & (values < values[-1])]
+    values = inside if inside.size and inside[0] < inside[-1] else values
     low, high = np.quantile(values, [0.05, 0.95])
     steps = np.diff(values)
     steps = steps[steps > 0]
@@ -185,7 +191,22 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     # A value that is held counts once, however long it is.
     fresh = _fresh(values)
     ends = (fresh.min(), fresh.max())
-    return tuple(float(end) for end in ends if _piled(np.abs(fresh - end) / width))
+    codes = [np.abs(fresh - end) / width for end in ends]
+    return tuple(
+        float(end) for end, each in zip(ends, codes, strict=True) if _piled(each) or _between(each)
+    )
+
+
+def _between(codes: Float64[np.ndarray, " fresh"]) -> bool:
+    """Whether several samples stand at an extreme that is no code: cut off after rounding.
+
+    The values next to it are whole codes apart then, and none is whole codes away from it.
+    """
+    near = codes[(codes > _AT_CODE) & (codes < _NEAR)]
+    if np.count_nonzero(codes <= _AT_CODE) < _PILE or near.size < _IN_BIN:
+        return False
+    turn = np.mean(np.exp(2j * np.pi * near))
+    return bool(np.abs(turn) > _ALIKE and np.abs(np.angle(turn)) > 2 * np.pi * 2 * _AT_CODE)
 
 
 def _piled(codes: Float64[np.ndarray, " fresh"]) -> bool:
