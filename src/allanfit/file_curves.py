@@ -130,7 +130,8 @@ def findings_of(blocks: Blocks, statistics: dict[str, LongStatistics]) -> tuple[
             f"The channel {name} is left out: it is constant or has too few samples."
             for name in left_out
         ),
-        "Read in blocks: saturation, repeats and code width are told of the first block alone.",
+        "Read in blocks: saturation, repeats and code width are told of the first block alone, "
+        "effects of temperature and the influence of pieces not at all.",
     )
 
 

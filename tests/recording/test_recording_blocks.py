@@ -152,3 +152,28 @@ def test_what_has_no_samples_is_refused(tmp_path):
     np.save(path, np.arange(1000))
     with pytest.raises(RecordingError, match="as a counter"):
         read_in_blocks(path, rate_hz=1.0)
+
+
+def test_a_sensor_that_hangs_for_longer_than_a_block(tmp_path):
+    path, samples = tmp_path / "a.npy", np.random.default_rng(9).standard_normal(40_000)
+    samples[10_000:30_000] = samples[10_000]
+    np.save(path, samples)
+    ((*pieces,),) = collected(read_in_blocks(path, rate_hz=50.0, block_samples=4096)).values()
+    (channel,) = load(path, rate_hz=50.0).channels
+    expected = [channel.samples[start:stop] for start, stop in channel.stretches]
+    np.testing.assert_array_equal(np.concatenate(pieces), np.concatenate(expected))
+
+
+def test_values_too_large_in_a_later_block_are_refused(tmp_path):
+    path, samples = tmp_path / "a.npy", np.random.default_rng(9).standard_normal(40_000)
+    samples[30_000] = 1e200
+    np.save(path, samples)
+    with pytest.raises(RecordingError, match=r"values as large as 1e\+200, which no sensor gives"):
+        list(read_in_blocks(path, rate_hz=50.0, block_samples=4096))
+
+
+def test_mistakes_are_told_of_the_first_block_too(tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez(path, gyro_x=CODES[:, 0], rate_hz=100.0, units=json.dumps({"gyro_x": "rad/s"}))
+    findings = read_in_blocks(path, block_samples=7000).findings
+    assert any(each.startswith("In the first samples: All samples of gyro_x") for each in findings)

@@ -206,3 +206,11 @@ def test_real_recordings_are_not_accused(shared):
         recording = load(path)
         accused |= {path.stem: about_mistakes(recording.channels, recording.rate_hz)}
     assert {name: each for name, each in accused.items() if each} == {}
+
+
+def test_the_time_of_a_touch_counts_what_is_missing(archive):
+    series = gyro("consumer")
+    series[:1000] = np.nan
+    series[2000:2400] += 0.5
+    (finding,) = (each for each in told(archive, "rad/s", series) if "not at rest" in each)
+    assert 19 <= float(finding.split(" s after")[0].split()[-1]) <= 24

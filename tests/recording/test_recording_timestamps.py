@@ -294,3 +294,35 @@ def test_a_column_called_time_comes_before_others_with_its_unit(tmp_path):
     recording = load(path)
     assert [channel.name for channel in recording.channels] == ["gyro_x"]
     assert recording.rate_hz == pytest.approx(50.0)
+
+
+def test_a_counter_of_32_bits_goes_on_where_it_begins_again():
+    """`micros` of an Arduino for three hours, which begin again every 71.6 min."""
+    micros = (4e9 + 1e6 * np.arange(1_080_000) / 100).astype(np.int64) % 2**32
+    told = clock(micros, name="micros")
+    assert told.breaks == ()
+    assert told.rate_hz == pytest.approx(100, rel=1e-6)
+    assert told.findings == (
+        "The time stamps count to 2^32 and begin again 3 times; they are continued.",
+    )
+
+
+@pytest.mark.parametrize("missing", [slice(0, 1500), slice(-1500, None)])
+def test_missing_stamps_at_the_ends_change_no_rate(missing):
+    stamps = EVEN.copy()
+    stamps[missing] = np.nan
+    assert clock(stamps).rate_hz == pytest.approx(100, rel=1e-6)
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us"), (1e9, "ns")])
+@pytest.mark.parametrize("rate_hz", [0.5, 1.0, 2000.0])
+def test_stamps_since_1970_tell_their_unit(scale, unit, rate_hz):
+    told = clock(scale * (1.7e9 + np.arange(20_000) / rate_hz), name="time")
+    assert told.rate_hz == pytest.approx(rate_hz, rel=1e-3)
+    assert told.unit == unit
+
+
+def test_seconds_that_may_be_milliseconds_are_said():
+    told = clock(np.arange(20_000) / 2, name="time")
+    assert told.rate_hz == pytest.approx(2, rel=1e-6)
+    assert "taken to be in s" in told.findings[0]

@@ -9,9 +9,17 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable
+from ._checks import (
+    FEWEST_SAMPLES,
+    about_gravity,
+    about_samples,
+    split,
+    usable,
+    why_too_large,
+    why_useless,
+)
 from ._formats import read_blocks
-from ._frozen import frozen
+from ._frozen import FrozenBlocks, frozen
 from ._load import (
     about_units,
     channel_of,
@@ -22,7 +30,7 @@ from ._load import (
     units_of,
     why_state,
 )
-from ._no_sensor import why_counter
+from ._mistakes import about_mistakes
 from ._recording import Channel, Progress, RecordingError, Table
 from ._timestamps import CATCH_UP
 from ._wording import count
@@ -74,7 +82,7 @@ class Blocks:
         self._findings = dict.fromkeys(first.findings)
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
-        self._judged = 0
+        self._judged, self._stamp_unit = 0, ""
         self._missing = dict.fromkeys(self._asked, 0)
         self._frozen = dict.fromkeys(self._asked, 0)
         self._rows = self._checked(first)
@@ -118,10 +126,15 @@ class Blocks:
         return tuple(found)
 
     def __iter__(self) -> Iterator[Run]:
+        looks = {channel.name: FrozenBlocks() for channel in self.channels}
         for values, breaks in itertools.chain([self._next], self._rows):
             for channel in self.channels:
                 samples = values[channel.name] * channel.factor
-                finite, still = np.isfinite(samples), frozen(values[channel.name])
+                if why := why_too_large(samples):
+                    raise RecordingError(
+                        f"{self.name}: channel {channel.name} cannot be analysed: {why}."
+                    )
+                finite, still = np.isfinite(samples), looks[channel.name](values[channel.name])
                 self._missing[channel.name] += int(np.count_nonzero(~finite))
                 self._frozen[channel.name] += int(np.count_nonzero(still))
                 yield from _runs(channel.name, samples, finite & ~still, breaks)
@@ -168,7 +181,11 @@ class Blocks:
         return columns
 
     def _judge(self, table: Table, known: int) -> tuple[int, ...]:
+        if self._stamp_unit and self._stamps is not None:
+            # As the first block was understood, so are all.
+            table = replace(table, units={**table.units, self._stamps: self._stamp_unit})
         clock = clock_of(self._path, table, self._stamps, self._given_hz)
+        self._stamp_unit = clock.unit
         size = next(iter(table.columns.values())).size
         breaks = tuple(at for at in clock.breaks if at <= known and at < size)
         said = tuple(each for each in clock.findings if not each.startswith("The time stamps have"))
@@ -200,7 +217,8 @@ class Blocks:
             wanted = bool(channels) or len(self._asked) == 1
             # Of few samples chance might make a counter.
             enough = seen.size >= FEWEST_SAMPLES
-            why = enough and (why_state(name, seen, unit, wanted) or why_counter(seen))
+            varies = bool(enough and seen.min() < seen.max())
+            why = enough and (why_state(name, seen, unit, wanted) or (varies and why_useless(seen)))
             if why:
                 if wanted:
                     raise RecordingError(f"{self.name}: channel {name} cannot be analysed: {why}.")
@@ -223,6 +241,9 @@ class Blocks:
         self._findings |= dict.fromkeys(about_units(known, self._first, self._unit))
         if all(usable(channel.samples, channel.stretches).size for channel in kept):
             self._findings |= dict.fromkeys(about_gravity(kept))
+            self._findings |= {
+                f"In the first samples: {each}": None for each in about_mistakes(kept, self.rate_hz)
+            }
         return tuple(replace(each, samples=np.empty(0), stretches=()) for each in kept)
 
 
@@ -268,8 +289,8 @@ def _runs(
     breaks: tuple[int, ...],
 ) -> Iterator[Run]:
     changes = () if good.all() else np.flatnonzero(np.diff(good)) + 1
-    cuts = sorted({*breaks, *map(int, changes)})
-    for start, stop in itertools.pairwise((0, *cuts, samples.size)):
+    cuts = {*breaks, *map(int, changes)}
+    for start, stop in itertools.pairwise((0, *sorted(cuts), samples.size)):
         used = stop if good[start:stop].all() else start
         ends = stop in cuts or used < stop
         if ends or used > start:

@@ -34,16 +34,16 @@ _WINDOW = 64
 
 
 def split(
-    finite: Bool[np.ndarray, " samples"], breaks: tuple[int, ...]
+    good: Bool[np.ndarray, " samples"], breaks: tuple[int, ...]
 ) -> tuple[tuple[int, int], ...]:
-    """`[start, stop)` of each run of finite samples between `breaks` that is long enough to use."""
-    starts = finite.copy()
-    starts[1:] &= ~finite[:-1]
-    starts[list(breaks)] = finite[list(breaks)]
-    stops = finite.copy()
-    stops[:-1] &= ~finite[1:]
+    """`[start, stop)` of each run of good samples between `breaks` that is long enough to use."""
+    starts = good.copy()
+    starts[1:] &= ~good[:-1]
+    starts[list(breaks)] = good[list(breaks)]
+    stops = good.copy()
+    stops[:-1] &= ~good[1:]
     before = np.asarray(breaks, dtype=int) - 1
-    stops[before] = finite[before]
+    stops[before] = good[before]
     runs = zip(np.flatnonzero(starts).tolist(), (np.flatnonzero(stops) + 1).tolist(), strict=True)
     return tuple((start, stop) for start, stop in runs if stop - start >= SHORTEST_STRETCH)
 
@@ -66,11 +66,20 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
         )
     if samples.min() == samples.max():
         return "it is constant"
-    if (largest := np.abs(samples).max()) > _LARGEST:
-        return f"it holds values as large as {largest:.1g}, which no sensor gives"
+    if too_large := why_too_large(samples):
+        return too_large
     if (range_ := np.ptp(samples)) < _SMALLEST:
         return f"it varies by {range_:.1g} in all, which no sensor can tell"
     return why_counter(samples)
+
+
+def why_too_large(samples: Float64[np.ndarray, " samples"]) -> str:
+    """Why samples are beyond what can be squared; empty if they are not, or not finite."""
+    finite = samples[np.isfinite(samples)]
+    largest = max(-finite.min(), finite.max()) if finite.size else 0.0
+    if largest <= _LARGEST:
+        return ""
+    return f"it holds values as large as {largest:.1g}, which no sensor gives"
 
 
 def about_samples(
@@ -120,7 +129,8 @@ def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
 
 def local_deviation(samples: Float64[np.ndarray, " usable"]) -> float:
     """Standard deviation within short windows, in most of them: no drift and no outliers."""
-    windows = samples[: samples.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
+    length = min(_WINDOW, samples.size)
+    windows = samples[: samples.size // length * length].reshape(-1, length)
     # From the first value, so that a window of equal ones has a deviation of exactly 0.
     return float(np.median((windows - windows[:, :1]).std(axis=1)))
 

@@ -9,7 +9,8 @@ from ._checks import code_width, rails, wide
 _SHORTEST = 64
 # Of so many samples, one in each run of the shortest length is looked at first.
 _STRIDE = _SHORTEST // 4
-# A run is frozen when as long a one would be as rare among all samples, by their usual repeats.
+# Expected number of runs as long in the whole record, were repeats independent with their usual
+# probability, below which a run is frozen.
 _NO_CHANCE = 1e-6
 
 
@@ -50,3 +51,28 @@ def frozen(values: Float64[np.ndarray, " samples"]) -> Bool[np.ndarray, " sample
     for start, length in zip(starts[odd], repeats[odd], strict=True):
         still[start + 1 : start + 1 + length] = True
     return still
+
+
+class FrozenBlocks:
+    """`frozen` for a channel that comes block by block: a sensor may hang for longer than one."""
+
+    def __init__(self):
+        #: Whether the channel moves from sample to sample, once that is known.
+        self._moves = False
+        self._known = False
+        self._last = np.nan
+
+    def __call__(self, values: Float64[np.ndarray, " samples"]) -> Bool[np.ndarray, " samples"]:
+        """Which of the next samples are frozen."""
+        finite = np.isfinite(values)
+        moving = values[finite]
+        if moving.size and moving.min() == moving.max():
+            still = finite & self._moves
+            still[0] &= bool(values[0] == self._last)
+        else:
+            still = frozen(values)
+        if not self._known and moving.size and moving.min() < moving.max():
+            self._known, self._moves = True, not wide(moving, code_width(moving))
+        if values.size:
+            self._last = values[-1]
+        return still

@@ -4,6 +4,7 @@ import hashlib
 import os
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -195,7 +196,7 @@ def clock_of(path: Path, table: Table, stamps: str | None, rate_hz: float | None
         if rate_hz is None:
             raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error
         return Clock(rate_hz, (), (f"{error} Gaps, if there are any, are not seen.",))
-    return clock if rate_hz is None else Clock(rate_hz, clock.breaks, clock.findings, clock.lost)
+    return clock if rate_hz is None else replace(clock, rate_hz=rate_hz)
 
 
 def units_of(

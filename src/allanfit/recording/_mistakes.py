@@ -174,6 +174,15 @@ def _about_sums(channel: Channel, rate_hz: float) -> tuple[str, ...]:
     )
 
 
+def _place(stretches: Sequence[tuple[int, int]], usable: int) -> int:
+    """The index in a channel of one of its usable samples."""
+    for start, stop in stretches:
+        if usable < stop - start:
+            return start + usable
+        usable -= stop - start
+    return stretches[-1][1]
+
+
 def _about_motion(channels: Sequence[Channel], rate_hz: float) -> tuple[str, ...]:
     """The channel, and the second, in which a sensor was turned or shaken most."""
     worst, told = 1.0, ()
@@ -198,7 +207,7 @@ def _about_motion(channels: Sequence[Channel], rate_hz: float) -> tuple[str, ...
         ):
             if excess.max() > worst:
                 worst = float(excess.max())
-                at = int(np.argmax(excess)) * length / rate_hz
+                at = _place(channel.stretches, int(np.argmax(excess)) * length) / rate_hz
                 told = (
                     f"The sensor was not at rest all the time: {channel.name} {how} "
                     f"{at:.4g} s after the start than in most of the recording: give a part in "

@@ -34,7 +34,7 @@ class Channel:
     samples: Float64[np.ndarray, " samples"]
     """All samples in SI, those outside `stretches` too."""
     stretches: tuple[tuple[int, int], ...]
-    """`[start, stop)` of each run of finite samples without a gap, in order."""
+    """`[start, stop)` of each run of good samples (finite, not frozen) without a gap, in order."""
     findings: tuple[str, ...]
     """One plain sentence each; empty for healthy samples."""
 

@@ -37,6 +37,10 @@ _DAY_NS = 86_400e9
 # are read in more than 4 s would be less than 50 us apart.
 _DAYS = ((3e4, 8e4), (7e5, 8e5))
 _SHORT_FOR_S = 5e-5
+# Intervals that a unit may give to stamps since 1970, and up to which nobody asks whether they are
+# in s: the next unit would make them a thousand times as short.
+_FASTEST_S, _SLOWEST_S, _USUAL_S = 1e-5, 100.0, 0.15
+_WRAP = 2.0**32
 
 # Stamps catch up within a burst or a blocked moment; no transport holds more samples than this.
 CATCH_UP = 1024
@@ -57,6 +61,8 @@ class Clock:
     """Gaps, repeats, jitter, doubts about the unit or the given rate."""
     lost: float = 0.0
     """Share of the samples that were lost a few at a time."""
+    unit: str = ""
+    """What the stamps count, one of s, ms, us and ns, where there are any."""
 
 
 def is_time(name: str, unit: str = "") -> bool:
@@ -93,7 +99,9 @@ def read_clock(
     if unit == OF_DAY:
         stamps, unit = _over_midnight(stamps), "ns"
     ticks, findings = _from_first(stamps)
-    tick, doubt = _tick(name, unit, stamps, _typical_interval(ticks), given_hz)
+    ticks, wrapped = _over_wraps(ticks)
+    findings += wrapped
+    counted, tick, doubt = _tick(name, unit, stamps, _typical_interval(ticks), given_hz)
     time = ticks * tick
     steps = np.diff(time)
     backward = int(np.count_nonzero(steps < 0))
@@ -131,7 +139,8 @@ def read_clock(
     findings += _about_jitter(steps - lost, interval)
     findings += _about_rate(rate_hz, given_hz)
     breaks = np.union1d(gaps, np.flatnonzero(set_back)) + 1
-    return Clock(rate_hz, tuple(breaks.tolist()), findings, dropped / (steps.size + dropped))
+    lost_share = dropped / (steps.size + dropped)
+    return Clock(rate_hz, tuple(breaks.tolist()), findings, lost_share, counted)
 
 
 def _unusable(reason: str) -> RecordingError:
@@ -162,8 +171,27 @@ def _from_first(
         return time - time[0], ()
     if present.size < 0.9 * time.size:
         raise _unusable(f"{time.size - present.size} of {time.size} are missing or not finite")
-    time = np.interp(np.arange(time.size), present, time[present])
+    # Beyond the first and the last that are present, on at the usual interval.
+    interval = _typical_interval(time[present])
+    at = np.arange(time.size)
+    before, after = at - present[0], at - present[-1]
+    time = np.interp(at, present, time[present])
+    time += interval * (np.minimum(before, 0) + np.maximum(after, 0))
     return time - time[0], (f"Time stamps missing or not finite: {time.size - present.size}.",)
+
+
+def _over_wraps(
+    ticks: Float64[np.ndarray, " samples"],
+) -> tuple[Float64[np.ndarray, " samples"], tuple[str, ...]]:
+    """Stamps of a counter of 32 bits, which begins again: as `micros` does after 71.6 min."""
+    steps = np.diff(ticks)
+    onward = steps + _WRAP
+    wraps = (steps < 0) & (onward > 0) & (onward < 1e-3 * _WRAP)
+    if not wraps.any():
+        return ticks, ()
+    ticks = ticks + _WRAP * np.concatenate([[0], np.cumsum(wraps)])
+    times = count(int(wraps.sum()), "time")
+    return ticks, (f"The time stamps count to 2^32 and begin again {times}; they are continued.",)
 
 
 def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
@@ -188,35 +216,40 @@ def _tick(
     stamps: Num[np.ndarray, " samples"],
     interval: float,
     given_hz: float | None,
-) -> tuple[float, tuple[str, ...]]:
-    """Seconds in one unit of the stamps, and a finding when that had to be inferred."""
+) -> tuple[str, float, tuple[str, ...]]:
+    """The unit of the stamps, seconds in one, and a finding when that had to be inferred."""
     suffix = _NAME.fullmatch(name)
     in_name = _COUNTS.get(name.lower(), (suffix and (suffix[1] or suffix[2])) or "")
     stated = _plain_unit(unit or in_name)
     if stated:
         if stated not in _SECONDS:
             raise _unusable(f"their unit '{unit}' is none of s, ms, us and ns")
-        return _SECONDS[stated], ()
+        return stated, _SECONDS[stated], ()
     middle = float(np.nanmedian(stamps))
     if 0 < interval < _SHORT_FOR_S and any(low <= middle <= high for low, high in _DAYS):
         finding = (
             "The time stamps are taken to be in days, as spreadsheets count them: they are about "
             f"{middle:.8g}, and {interval:.4g} apart."
         )
-        return 86_400.0, (finding,)
+        return "", 86_400.0, (finding,)
     # Inertial sensors are sampled between 1 Hz and 1 kHz, give or take.
     inferred = "s" if interval < 1 else "ms" if interval < 1e3 else "us" if interval < 1e6 else "ns"
-    if given_hz is not None and interval > 0:
-        for candidate, seconds in _SECONDS.items():
-            if abs(interval * seconds * given_hz - 1) < 0.05:
-                inferred = candidate
-    if inferred == "s":
-        return 1.0, ()
+    sure = interval < _USUAL_S
+    for candidate, seconds in _SECONDS.items():
+        # Since 1970, in this century.
+        dated = 1e9 < middle * seconds < 4e9 and _FASTEST_S < interval * seconds < _SLOWEST_S
+        agrees = given_hz is not None and abs(interval * seconds * given_hz - 1) < 0.05
+        if dated or agrees:
+            inferred, sure = candidate, True
+        if agrees:
+            break
+    if inferred == "s" and sure:
+        return "s", 1.0, ()
     finding = (
         f"The time stamps are taken to be in {inferred}, since their typical interval is "
         f"{interval:.4g}: write the unit in the header, as in `{name} [{inferred}]`."
     )
-    return _SECONDS[inferred], (finding,)
+    return inferred, _SECONDS[inferred], (finding,)
 
 
 def _lost_time(
