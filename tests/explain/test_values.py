@@ -87,3 +87,17 @@ def test_of_a_record_at_its_rail_nothing_else_is_told():
     rng = np.random.default_rng(10)
     state = named(np.minimum(rng.standard_normal(SAMPLES) + 3, 1))
     assert [finding.name for finding in state.findings] == ["saturation"]
+
+
+def test_noise_that_changes_below_quantization_is_heard():
+    """All of it is a tenth louder for a third of the record, N alone half as loud again."""
+    rng = np.random.default_rng(11)
+    loud = np.abs(np.arange(SAMPLES) / SAMPLES - 0.5) < 1 / 6
+    noise = 0.3 * np.where(loud, 1.25, 1.0) * rng.standard_normal(SAMPLES)
+    state = named(noise + np.diff(rng.standard_normal(SAMPLES + 1)))
+    assert [finding.name for finding in state.findings] == ["variance_modulation"]
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(0.3, rel=0.03)
+    changing = state.modulation
+    assert changing is not None
+    assert changing.ratio == pytest.approx(1.25, rel=0.1)
+    assert np.mean(changing.loud == loud) > 0.95

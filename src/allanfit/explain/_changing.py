@@ -1,7 +1,7 @@
 """Whether the shape of a spectrum, or the strength of noise, changes in the course of a record."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.fft import dct
 from scipy.stats import chi2
 
@@ -28,7 +28,7 @@ def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
     return np.abs(np.fft.rfft(_tiled(white))) ** 2 / _TILE
 
 
-def shares(flags: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
+def shares(flags: Bool[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
     """How much of each tile is flagged."""
     return _tiled(flags).mean(axis=1)
 

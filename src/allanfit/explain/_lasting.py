@@ -26,6 +26,8 @@ from ._whiten import level
 # Loud for less of the record, and by more, is a knock and no change of the noise.
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 _MARGIN = 2
+# Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
+_MOST_DOUBLINGS, _CLEARER = 8, 1.5
 # Brief disturbances that fill more than this are no brief ones, but noise that changes.
 _BRIEF_SHARE = 0.02
 _MOST_STEPS = 8
@@ -54,7 +56,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
     rough = whitened_piece(state, piece)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _without_ends(whitened_piece(state, piece, notches))
-    changing = modulation(white, seed)
+    changing, heard = _modulation_of_n(state, white, seed)
     state.witness(
         "variance in time",
         changing.ratio,
@@ -71,7 +73,8 @@ def about_spread(state: Investigation, seed: int) -> bool:
             return True
     if loud:
         state.modulation = changing
-        even = white / np.where(changing.loud, changing.ratio, 1.0)
+        even = white / np.where(changing.loud, white[changing.loud].std(), 1.0)
+        even[~changing.loud] /= white[~changing.loud].std()
         even = even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
     else:
         even = white
@@ -113,7 +116,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         state.findings.append(
             Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
         )
-        state.gains["variance_modulation"] = of_loud_times(white, seed)
+        state.gains["variance_modulation"] = of_loud_times(heard, seed)
         rebin(state)
     if spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma:
         state.contamination = _in_units(spiky, height)
@@ -138,6 +141,36 @@ def about_spread(state: Investigation, seed: int) -> bool:
     if loud or state.contamination is not None:
         refit(state)
     return False
+
+
+def _modulation_of_n(
+    state: Investigation, white: Float[np.ndarray, " samples"], seed: int
+) -> tuple[Modulation, Float[np.ndarray, " values"]]:
+    """When the noise is loud, and the white values that tell.
+
+    Where quantization rules high frequencies, N changes unheard among all samples. Sums of so many
+    that N rules below their Nyquist frequency are independent as well, and tell of it.
+    """
+    found = modulation(white, seed)
+    size = _samples_of_n(state)
+    if size == 1:
+        return found, white
+    sums = white[: white.size // size * size].reshape(-1, size).sum(axis=1) / np.sqrt(size)
+    slow = modulation(sums, seed)
+    if found.p_value <= slow.p_value:
+        return found._replace(p_value=min(2 * found.p_value, 1.0)), white
+    loud = np.repeat(slow.loud, size)
+    loud = np.append(loud, np.full(white.size - loud.size, loud[-1]))
+    p_value = min(2 * slow.p_value, 1.0)
+    return slow._replace(loud=loud, window=slow.window * size, p_value=p_value), sums
+
+
+def _samples_of_n(state: Investigation) -> int:
+    """As many samples together tell most of N: the square of its share in them, for each sample."""
+    share = np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
+    sizes = 2 ** np.arange(_MOST_DOUBLINGS)
+    told = [np.mean(share[state.left.frequency <= 0.5 / size]) ** 2 / size for size in sizes]
+    return int(sizes[np.argmax(told)]) if max(told) > _CLEARER * told[0] else 1
 
 
 def forget_loud_times(state: Investigation) -> None:
