@@ -167,7 +167,22 @@ def _about_lengths(path: Path, tree: Tree, topic: str | None) -> tuple[str, ...]
     differ = any(one.length != clocks[0].length for one in clocks if one.group != clocks[0].group)
     if len(lengths) > 1 or differ:
         _refuse_several(path, leaves)
-    return findings
+    return findings + _about_clocks(series, clocks)
+
+
+def _about_clocks(series: list[Leaf], clocks: list[Leaf]) -> tuple[str, ...]:
+    """What is said of clocks that tell nothing of the channels, where no other does."""
+    length = max(leaf.length for leaf in series)
+    if any(clock.length == length for clock in clocks):
+        return ()
+    # A temperature may have a clock of its own beside it.
+    timed = _common([leaf.group for leaf in series if leaf.length == length])
+    return tuple(
+        f"The time stamps {_spelled(clock.place)} have {clock.length} values and the channels "
+        f"{length} samples: they are not used."
+        for clock in clocks
+        if clock.group == timed[: len(clock.group)]
+    )
 
 
 def _check_one_clock(path: Path, leaves: Sequence[Leaf], clocks: list[Leaf]) -> None:
