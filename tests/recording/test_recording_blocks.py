@@ -2,6 +2,8 @@
 
 import gzip
 import json
+import sys
+import warnings
 
 import h5py
 import numpy as np
@@ -91,6 +93,15 @@ def test_blocks_hold_what_the_whole_file_holds(name, columns, tmp_path):
     assert len(read) > 2
     assert read[-1][0] == read[-1][1]
     assert read == sorted(read)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.npz", "a.h5"])
+def test_between_blocks_the_caller_may_print_and_warn(name, columns, tmp_path):
+    write(tmp_path / name, columns)
+    before = sys.stdout, list(warnings.filters)
+    blocks = read_in_blocks(tmp_path / name, block_samples=5000)
+    assert all((sys.stdout, warnings.filters) == before for _ in blocks)
+    assert (sys.stdout, warnings.filters) == before
 
 
 def test_a_mapped_array_needs_its_rate(tmp_path):

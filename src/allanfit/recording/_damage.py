@@ -2,11 +2,14 @@
 
 import io
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Callable, Generator, Iterator
+from contextlib import AbstractContextManager, closing, contextmanager, redirect_stdout
 from pathlib import Path
+from typing import TypeVar
 
 from ._recording import RecordingError
+
+_Item = TypeVar("_Item")
 
 
 @contextmanager
@@ -35,3 +38,19 @@ def careful(path: Path, what: str) -> Iterator[None]:
             f"{path.name} is not {what} that can be read{told}: it may be cut off, damaged or of "
             "another kind."
         ) from error
+
+
+def each_guarded(
+    guard: Callable[[], AbstractContextManager[None]], items: Generator[_Item, None, None]
+) -> Iterator[_Item]:
+    """The items of a generator, with `guard` about the making of each and not about its use.
+
+    What is printed between two items is the caller's own.
+    """
+    with closing(items):
+        while True:
+            with guard():
+                item = next(items, None)
+            if item is None:
+                return
+            yield item

@@ -5,13 +5,14 @@ import tokenize
 import warnings
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ._damage import each_guarded
 from ._files import refuse_bomb
 from ._names import units_by_channel
 from ._recording import Block, RecordingError, Table, table_blocks
@@ -101,7 +102,11 @@ def npz_blocks(path: Path, samples: int) -> Iterator[Block]:
 
     An array that is shorter than the longest ends before it, so that whoever uses both sees it.
     """
-    with ExitStack() as stack, _careful(path):
+    yield from each_guarded(lambda: _careful(path), _npz_blocks(path, samples))
+
+
+def _npz_blocks(path: Path, samples: int) -> Generator[Block, None, None]:
+    with ExitStack() as stack:
         archive = stack.enter_context(zipfile.ZipFile(path))
         whole, series = {}, {}
         for member in archive.namelist():
