@@ -57,19 +57,22 @@ def dressed(noise: np.ndarray) -> dict[str, str | bytes]:
         + lines(noise, '","').replace("\n", '"\n"').rstrip('"').join(['"', ""]),
         "padded.csv": f"{HEADER}\n{lines(noise, '  , ')}",
         "comments.csv": f"# made today\n# at rest\n{plain}# the end\n",
+        "percent_signs.csv": f"% made today\n{plain}  % at rest, warm\n{lines(noise)}% end\n",
+        "percent_signs.txt": f"% {bare}\n{lines(noise, ' ')}% at rest\n{lines(noise, '  ')}",
         "commented_header.txt": f"# {bare}\n{lines(noise, ' ')}",
         "separator_at_end.csv": plain.replace("\n", ",\n"),
         "separator_below_header.csv": f"{HEADER}\n" + lines(noise).replace("\n", ",\n"),
         "blank_lines.csv": plain.replace("\n", "\n\n"),
         "no_last_newline.csv": plain.rstrip(),
         "zipped.csv.gz": gzip.compress(plain.encode()),
+        "ZIPPED.CSV.GZ": gzip.compress(plain.encode()),
         "zipped.txt.gz": gzip.compress(plain.encode()),
     }
 
 
 @pytest.mark.parametrize("name", list(dressed(np.zeros((1, 3)))))
 def test_every_dress_of_a_table(name, write, noise):
-    check(write(name, dressed(noise)[name]), noise)
+    check(write(name, dressed(noise)[name]), np.tile(noise, (1 + name.startswith("percent"), 1)))
 
 
 UNITS = "[deg/s],[deg/s],[deg/s]\n"

@@ -31,7 +31,7 @@ _CHUNK = 1 << 24
 # Integers of more digits lose some as floats; time stamps in ns since 1970 have 19.
 _EXACT_DIGITS = 15
 # The beginning of a line that is neither blank nor a comment.
-_SAMPLE = re.compile(rb"^[ \t]*[^\s#]", re.MULTILINE)
+_SAMPLE = re.compile(rb"^[ \t]*[^\s#%]", re.MULTILINE)
 
 
 def read_csv(path: Path) -> Table:
@@ -115,7 +115,8 @@ def _about_end(text: bytes, layout: Layout) -> tuple[str, ...]:
     found = line.count(layout.separator.encode()) + 1
     # A separator at the end of a line divides nothing.
     needed = len(layout.names) - (not layout.first[-1])
-    if layout.separator == " " or line.startswith(b"#") or found >= needed:
+    comment = line.lstrip().startswith((b"#", b"%"))
+    if layout.separator == " " or comment or found >= needed:
         return ()
     return (
         f"The last line has {count(found, 'field')} of {needed}: the file was cut off there, and "
@@ -147,7 +148,7 @@ def _unpacked(path: Path, file: io.BufferedReader) -> Iterator[_Stream]:
 
 @contextmanager
 def _unzipped(path: Path, file: io.BufferedReader) -> Iterator[io.BufferedReader | gzip.GzipFile]:
-    if path.suffix != ".gz":
+    if path.suffix.lower() != ".gz":
         yield file
         return
     try:
@@ -163,7 +164,7 @@ def _whole(path: Path, stream: _Stream) -> bytes:
     text = io.BytesIO()
     while chunk := stream.read(_CHUNK):
         text.write(chunk)
-        if path.suffix == ".gz":
+        if path.suffix.lower() == ".gz":
             refuse_bomb(path, text.tell())
     return text.getvalue()
 
@@ -201,7 +202,8 @@ def _tidied(text: bytes, layout: Layout) -> bytes:
         # White space around a field makes it text to the parser.
         mark = re.escape(layout.separator.encode())
         body = re.sub(rb"(?m)(?<! ) +(?=%b|$)|(?<=%b) +|^ +" % (mark, mark), b"", body)
-    return body
+    # The parser knows one sign of a comment alone.
+    return re.sub(rb"(?m)^%", b"#", body) if b"%" in body else body
 
 
 def _parse(file: str, body: bytes, layout: Layout, ended: bool) -> pl.DataFrame:
