@@ -1,6 +1,7 @@
 """What keeps damaged and hostile files from ending in a traceback or in all of the memory."""
 
 import io
+import threading
 import warnings
 from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, closing, contextmanager, redirect_stdout
@@ -10,19 +11,29 @@ from typing import TypeVar
 from ._recording import RecordingError
 
 _Item = TypeVar("_Item")
+# Printing and warning belong to the whole process: of two threads, the second to leave would put
+# back what the first had put there.
+_ALONE = threading.RLock()
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Drop what a library prints or warns of; threads go in one after the other."""
+    with _ALONE, redirect_stdout(io.StringIO()), warnings.catch_warnings(action="ignore"):
+        yield
 
 
 @contextmanager
 def careful(path: Path, what: str) -> Iterator[None]:
     """Guard a library that reads `path`, a file said to be `what`, such as `a MAT-file`.
 
-    What the library prints or warns of is dropped.
+    What the library prints or warns of is dropped. Threads go in one after the other.
 
     **Raises** `RecordingError` in one sentence for whatever the library raises, apart from errors
     of the disk and of permission, which pass.
     """
     try:
-        with redirect_stdout(io.StringIO()), warnings.catch_warnings(action="ignore"):
+        with quiet():
             yield
     except (RecordingError, FileNotFoundError, PermissionError, IsADirectoryError):
         raise

@@ -2,7 +2,6 @@
 
 import math
 import tokenize
-import warnings
 import zipfile
 import zlib
 from collections.abc import Generator, Iterator
@@ -12,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ._damage import each_guarded
+from ._damage import each_guarded, quiet
 from ._files import refuse_bomb
 from ._names import units_by_channel
 from ._recording import Block, RecordingError, Table, table_blocks
@@ -162,7 +161,7 @@ def _read(path: Path) -> np.ndarray | dict[str, np.ndarray]:
 @contextmanager
 def _careful(path: Path) -> Iterator[None]:
     # NumPy warns of files that are slow to read because Python 2 wrote them.
-    with warnings.catch_warnings(action="ignore", category=UserWarning):
+    with quiet():
         try:
             yield
         except RecordingError:
