@@ -2,6 +2,8 @@
 
 import gzip
 import json
+import sys
+import warnings
 
 import h5py
 import numpy as np
@@ -93,6 +95,15 @@ def test_blocks_hold_what_the_whole_file_holds(name, columns, tmp_path):
     assert read == sorted(read)
 
 
+@pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.npz", "a.h5"])
+def test_between_blocks_the_caller_may_print_and_warn(name, columns, tmp_path):
+    write(tmp_path / name, columns)
+    before = sys.stdout, list(warnings.filters)
+    blocks = read_in_blocks(tmp_path / name, block_samples=5000)
+    assert all((sys.stdout, warnings.filters) == before for _ in blocks)
+    assert (sys.stdout, warnings.filters) == before
+
+
 def test_a_mapped_array_needs_its_rate(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, CODES)
@@ -177,3 +188,70 @@ def test_mistakes_are_told_of_the_first_block_too(tmp_path):
     np.savez(path, gyro_x=CODES[:, 0], rate_hz=100.0, units=json.dumps({"gyro_x": "rad/s"}))
     findings = read_in_blocks(path, block_samples=7000).findings
     assert any(each.startswith("In the first samples: All samples of gyro_x") for each in findings)
+
+
+def test_an_archive_in_blocks_keeps_the_rules_of_the_whole(tmp_path):
+    path = tmp_path / "a.npz"
+    x, y = CODES[:5000].T / 1000
+
+    def stored(**others):
+        np.savez(path, gyro_x=x, **others)
+        return [lambda **kw: load(path, **kw), lambda **kw: blocks_of(path, **kw)]
+
+    about = {"rate_hz": np.array([50.0]), "units": np.array(['{"gyro_x": "deg/s"}'])}
+    whole, parts = stored(**about, matrix=np.eye(3), label=np.array(["a"] * 9000))
+    for found in (whole(), parts()):
+        assert (found.rate_hz, found.channels[0].unit) == (50.0, "deg/s")
+        assert [channel.name for channel in found.channels] == ["gyro_x"]
+        assert [each[:28] for each in found.findings[:2]] == [
+            "The array matrix is left out",
+            "The array label is left out:",
+        ]
+    for read in stored(**about, accel_x=y[:4000], temperature=y[:10]):
+        with pytest.raises(RecordingError, match=r"gyro_x has \d+ and accel_x has \d+"):
+            read()
+        assert not any("accel" in each for each in read(channels="gyro_x").findings)
+        assert [each.name for each in read(channels="accel_x").channels] == ["accel_x"]
+    found = collected(read_in_blocks(path, channels="accel_x", block_samples=1024))
+    np.testing.assert_array_equal(np.concatenate(found["accel_x"]), y[:4000])
+    for others, message in (
+        ({"rate_hz": about["rate_hz"].repeat(2)}, "rate_hz must be a single number"),
+        ({"units": about["units"].repeat(2)}, "`units` must be a JSON string"),
+        ({"words": np.array([None])}, "holds Python objects, which are not read"),
+    ):
+        for read in stored(**(about | others)):
+            with pytest.raises(RecordingError, match=message):
+                read()
+
+
+def test_groups_in_blocks_keep_the_rules_of_the_whole(tmp_path):
+    path = tmp_path / "a.h5"
+
+    def stored(arrays):
+        with h5py.File(path, "w") as file:
+            file.attrs["rate_hz"] = 50.0
+            for name, values in arrays.items():
+                file[name] = values
+        return [lambda **kw: load(path, **kw), lambda **kw: blocks_of(path, **kw)]
+
+    gyro, time = CODES[:5000] / 1000, np.arange(5000) / 50
+    for read in stored({"gyro": gyro, "accel": gyro[:4000]}):
+        with pytest.raises(RecordingError, match=r"accel \(4000 samples\), gyro \(5000 samples\)"):
+            read()
+        assert len(read(topic="accel").channels) == 2
+    later = {"a/gyro": gyro, "a/time": time, "b/temp": gyro[:4000, 0], "b/time": time[:4000]}
+    for read in stored(later):
+        with pytest.raises(RecordingError, match=r"a \(5000 samples\), b \(4000 samples\)"):
+            read()
+    # What is no series of numbers says nothing of how long one is.
+    cube = {"gyro": gyro, "cube": np.ones((40, 40, 40)), "words": np.array([b"a"] * 6000)}
+    whole, parts = (read() for read in stored(cube))
+    assert parts.findings[:2] == whole.findings[:2]
+    assert "it has the shape (40, 40, 40) of float64" in whole.findings[0]
+
+
+def blocks_of(path, **options):
+    """A recording in blocks, with the findings of all of them."""
+    blocks = read_in_blocks(path, block_samples=1024, **options)
+    list(blocks)
+    return blocks

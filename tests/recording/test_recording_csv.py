@@ -57,19 +57,22 @@ def dressed(noise: np.ndarray) -> dict[str, str | bytes]:
         + lines(noise, '","').replace("\n", '"\n"').rstrip('"').join(['"', ""]),
         "padded.csv": f"{HEADER}\n{lines(noise, '  , ')}",
         "comments.csv": f"# made today\n# at rest\n{plain}# the end\n",
+        "percent_signs.csv": f"% made today\n{plain}  % at rest, warm\n{lines(noise)}% end\n",
+        "percent_signs.txt": f"% {bare}\n{lines(noise, ' ')}% at rest\n{lines(noise, '  ')}",
         "commented_header.txt": f"# {bare}\n{lines(noise, ' ')}",
         "separator_at_end.csv": plain.replace("\n", ",\n"),
         "separator_below_header.csv": f"{HEADER}\n" + lines(noise).replace("\n", ",\n"),
         "blank_lines.csv": plain.replace("\n", "\n\n"),
         "no_last_newline.csv": plain.rstrip(),
         "zipped.csv.gz": gzip.compress(plain.encode()),
+        "ZIPPED.CSV.GZ": gzip.compress(plain.encode()),
         "zipped.txt.gz": gzip.compress(plain.encode()),
     }
 
 
 @pytest.mark.parametrize("name", list(dressed(np.zeros((1, 3)))))
 def test_every_dress_of_a_table(name, write, noise):
-    check(write(name, dressed(noise)[name]), noise)
+    check(write(name, dressed(noise)[name]), np.tile(noise, (1 + name.startswith("percent"), 1)))
 
 
 UNITS = "[deg/s],[deg/s],[deg/s]\n"
@@ -211,6 +214,39 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
 def test_what_is_no_table_says_where_and_what_to_do(text, message, write):
     with pytest.raises(RecordingError, match=message):
         load(write("bad.csv", text), rate_hz=100.0)
+
+
+@pytest.mark.parametrize("between", ["\n", "\n\n", "# note\n", "  # note\n\n"])
+@pytest.mark.parametrize(
+    ("bad", "message"),
+    [
+        ("1,abc", "column y: 'abc' is not a number"),
+        ("1,2,3", "has 3 fields"),
+        ("1", "has 1 field"),
+    ],
+)
+def test_lines_are_counted_with_blank_ones_and_comments(between, bad, message, write, noise):
+    # Of a length that makes several blocks, of which some begin with a blank line.
+    rows = [f"{x},{y}\n{between}" for x, y in np.tile(noise[:, :2], (50, 1))]
+    read = (load, lambda path, **kw: list(read_in_blocks(path, block_samples=1024, **kw)))
+    for each in read:
+        each(write("a.csv", "x,y\n" + "".join(rows)), rate_hz=100.0)
+    above = "x,y\n" + "".join(rows[:15_000])
+    path = write("a.csv", above + f"{bad}\n" + "".join(rows[15_000:]))
+    for each in read:
+        line = above.count("\n") + 1
+        with pytest.raises(RecordingError, match=rf"a\.csv, line {line}\b.*{message}"):
+            each(path, rate_hz=100.0)
+
+
+@pytest.mark.parametrize("end", ["\n" * 9, "# end\n" * 9, "0.5\n" + "\n" * 9])
+def test_lines_below_the_numbers(end, write, noise):
+    path = write("a.csv", f"{HEADER}\n" + 50 * lines(noise) + end)
+    found = read_in_blocks(path, rate_hz=100.0, block_samples=1024)
+    list(found)
+    said = [each for each in load(path, rate_hz=100.0).findings if "last line" in each]
+    assert [each for each in found.findings if "last line" in each] == said
+    assert len(said) == end.startswith("0.5")
 
 
 @pytest.mark.parametrize("damage", [lambda data: data[:-200], lambda data: b"1,2\n" * 400])

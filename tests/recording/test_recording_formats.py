@@ -102,6 +102,12 @@ def test_every_ending_is_known_in_any_case_and_refused_empty(ending, write):
         load(path)
 
 
+def test_an_ending_that_is_not_known_is_told_all_that_are(write):
+    with pytest.raises(RecordingError, match=r"'\.doc' is not known") as error:
+        load(write("a.doc", b"text"))
+    assert all(f"{ending}, " in str(error.value) for ending in set(_FORMATS) - {".db3", ".ulg"})
+
+
 @pytest.mark.parametrize(
     ("name", "package"),
     [

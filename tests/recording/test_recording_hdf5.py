@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from allanfit.recording import RecordingError, contents, load
+from allanfit.recording import RecordingError, contents, load, read_in_blocks
 
 
 @pytest.fixture
@@ -83,6 +83,22 @@ def test_groups_of_their_own_time(store, noise):
         {"a/gyro_x": noise[:, 0], "a/time": slow, "b/accel_x": noise[:, 1], "b/time": slow}
     )
     assert names(load(path)) == ["a_gyro_x", "b_accel_x"]
+
+
+def test_a_clock_of_another_length_is_said(store, noise):
+    path = store({"imu/gyro_x": noise[:, 0], "imu/time": np.arange(399.0), "fs": 60.0})
+    said = "The time stamps imu/time have 399 values and the channels 400 samples: they are not"
+    for read in (load, read_in_blocks):
+        assert read(path).findings[0] == f"{said} used."
+    with pytest.raises(RecordingError, match=rf"tells no sampling rate.*{said} used"):
+        load(store({"imu/gyro_x": noise[:, 0], "imu/time": np.arange(399.0)}))
+    # Another clock has the samples, or this one belongs to something else.
+    slow = {"oven/temp": noise[:40, 0], "oven/time": np.arange(40.0)}
+    for arrays in (
+        {"gyro_x": noise[:, 0], "time": np.arange(400) / 60, "gps_time": np.arange(40.0)},
+        {"imu/gyro_x": noise[:, 0], "fs": 60.0} | slow,
+    ):
+        assert not any("time stamps" in said for said in load(store(arrays)).findings)
 
 
 def test_arrays_of_several_lengths(store, noise):

@@ -87,6 +87,16 @@ def test_what_only_matlab_can_read(tmp_path, noise):
     assert "log is a MATLAB timetable" in second
 
 
+@pytest.mark.parametrize("shapes", [[(3,), (4,)], [(2, 3), (2, 4)], [(3,), (3,)]])
+def test_a_cell_with_a_structure_is_left_out_and_said(shapes, tmp_path, noise):
+    path, cell = tmp_path / "a.mat", np.empty(3, object)
+    cell[:] = [{"a": 1.0}, *map(np.ones, shapes)]
+    scipy.io.savemat(path, {"gyro_x": noise[:, 0], "fs": 10.0, "odd": cell})
+    recording = load(path, unit="deg/s")
+    assert recording.findings == ("odd is left out: it is no array of real numbers.",)
+    np.testing.assert_allclose(recording.channels[0].samples, np.deg2rad(noise[:, 0]), rtol=1e-14)
+
+
 def test_damage(tmp_path, noise):
     path = tmp_path / "a.mat"
     scipy.io.savemat(path, {"gyro_x": noise[:, 0], "fs": 10.0}, do_compression=True)

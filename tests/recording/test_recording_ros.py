@@ -1,6 +1,10 @@
 """Recordings of ROS 1 and ROS 2, written by rosbags: samples, topics, times and refusals."""
 
 import struct
+import sys
+import threading
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -13,7 +17,7 @@ from recording_files import (
     temperature,
     write_bag,
 )
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import StoragePlugin, Writer, storage_mcap
 
 from allanfit.recording import RecordingError, contents, is_recording, load
 
@@ -146,6 +150,29 @@ def test_messages_out_of_order_are_put_in_order(rows, tmp_path):
         "Messages that came after later ones: 1 time; they are put in the order of their time "
         "stamps.",
     )
+
+
+def test_threads_leave_everything_as_it_was(rows, tmp_path, monkeypatch):
+    """One begins while the other reads, and would end after it."""
+    monkeypatch.setattr("allanfit.recording._ros._BLOCK", 150)
+    path = write_bag(tmp_path / "still", "mcap", of_imu("mcap", rows))
+    before = dict(storage_mcap.DECOMPRESSORS), sys.stdout, list(warnings.filters)
+    inside, left, others = threading.Event(), threading.Event(), []
+
+    def while_other_reads(read, total):
+        inside.set()
+        left.wait(5)
+
+    def while_one_reads(read, total):
+        if not others:
+            others.append(pool.submit(load, path, progress=while_other_reads))
+            inside.wait(0.5)
+
+    with ThreadPoolExecutor(1) as pool:
+        one = load(path, progress=while_one_reads)
+        left.set()
+        assert others[0].result(60).checksum == one.checksum
+    assert (dict(storage_mcap.DECOMPRESSORS), sys.stdout, list(warnings.filters)) == before
 
 
 def test_a_clock_set_back_is_no_disorder(tmp_path):

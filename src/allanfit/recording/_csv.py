@@ -3,6 +3,7 @@
 import codecs
 import gzip
 import io
+import itertools
 import re
 import zlib
 from collections.abc import Iterator
@@ -29,6 +30,8 @@ _LONGEST_LINE = 1 << 24
 _CHUNK = 1 << 24
 # Integers of more digits lose some as floats; time stamps in ns since 1970 have 19.
 _EXACT_DIGITS = 15
+# The beginning of a line that is neither blank nor a comment.
+_SAMPLE = re.compile(rb"^[ \t]*[^\s#%]", re.MULTILINE)
 
 
 def read_csv(path: Path) -> Table:
@@ -64,7 +67,7 @@ def csv_blocks(path: Path, samples: int) -> Iterator[Block]:
             text, rest = text[:cut], text[cut:]
             if layout is None and cut:
                 layout = find_layout(path.name, text)
-            if layout is not None and text[layout.body :].strip():
+            if layout is not None and _SAMPLE.search(text, layout.body):
                 yield Block(_table(path.name, text, layout, ended), file.tell(), size)
             if layout is not None:
                 line = layout.line + text.count(b"\n", layout.body)
@@ -73,14 +76,14 @@ def csv_blocks(path: Path, samples: int) -> Iterator[Block]:
 
 def _before_last_lines(text: bytes) -> int:
     """Where the last two whole lines of the text begin."""
-    end = text.rfind(b"\n")
+    end = text.rstrip(b"\n").rfind(b"\n")
     for _ in range(2):
         end = text.rfind(b"\n", 0, max(end, 0))
     return end + 1
 
 
 def _table(file: str, text: bytes, layout: Layout, ended: bool = True) -> Table:
-    frame = _parse(file, _body(text, layout), layout, ended)
+    frame = _parse(file, _tidied(text, layout), layout, ended)
     frame.columns = layout.names
     texts = {
         name: field
@@ -112,7 +115,8 @@ def _about_end(text: bytes, layout: Layout) -> tuple[str, ...]:
     found = line.count(layout.separator.encode()) + 1
     # A separator at the end of a line divides nothing.
     needed = len(layout.names) - (not layout.first[-1])
-    if layout.separator == " " or line.startswith(b"#") or found >= needed:
+    comment = line.lstrip().startswith((b"#", b"%"))
+    if layout.separator == " " or comment or found >= needed:
         return ()
     return (
         f"The last line has {count(found, 'field')} of {needed}: the file was cut off there, and "
@@ -144,7 +148,7 @@ def _unpacked(path: Path, file: io.BufferedReader) -> Iterator[_Stream]:
 
 @contextmanager
 def _unzipped(path: Path, file: io.BufferedReader) -> Iterator[io.BufferedReader | gzip.GzipFile]:
-    if path.suffix != ".gz":
+    if path.suffix.lower() != ".gz":
         yield file
         return
     try:
@@ -160,7 +164,7 @@ def _whole(path: Path, stream: _Stream) -> bytes:
     text = io.BytesIO()
     while chunk := stream.read(_CHUNK):
         text.write(chunk)
-        if path.suffix == ".gz":
+        if path.suffix.lower() == ".gz":
             refuse_bomb(path, text.tell())
     return text.getvalue()
 
@@ -188,7 +192,8 @@ def _not_plain(file: str) -> RecordingError:
     )
 
 
-def _body(text: bytes, layout: Layout) -> bytes:
+def _tidied(text: bytes, layout: Layout) -> bytes:
+    """The numbers and all lines between them, as the parser wants them."""
     body = text[layout.body :]
     if layout.separator == " ":
         body = re.sub(rb"[ \t]+", b" ", body)
@@ -197,16 +202,19 @@ def _body(text: bytes, layout: Layout) -> bytes:
         # White space around a field makes it text to the parser.
         mark = re.escape(layout.separator.encode())
         body = re.sub(rb"(?m)(?<! ) +(?=%b|$)|(?<=%b) +|^ +" % (mark, mark), b"", body)
-    if b"\n\n" in body:
-        # A blank line is no sample.
-        body = re.sub(rb"\n\n+", b"\n", body)
-    return body
+    # The parser knows one sign of a comment alone.
+    return re.sub(rb"(?m)^%", b"#", body) if b"%" in body else body
 
 
 def _parse(file: str, body: bytes, layout: Layout, ended: bool) -> pl.DataFrame:
+    # A blank line is no sample, but it counts where a line is told by its number.
+    filled = body.lstrip(b"\n")
+    if b"\n\n" in filled:
+        filled = re.sub(rb"\n\n+", b"\n", filled)
+
     def read(types: list[type]) -> pl.DataFrame:
         return pl.read_csv(
-            body,
+            filled,
             has_header=False,
             schema={str(k): kind for k, kind in enumerate(types)},
             separator=layout.separator,
@@ -244,7 +252,8 @@ def _parse(file: str, body: bytes, layout: Layout, ended: bool) -> pl.DataFrame:
             # A word among numbers is an obstacle, a column of words is only left out.
             if failed.any() and (types[position] != pl.String or np.mean(failed) < 0.5):
                 row = int(np.argmax(failed))
-                line, field = layout.line + row, column[row].strip()
+                line, _ = next(itertools.islice(_lengths(body, layout), row, None))
+                field = column[row].strip()
                 if is_grouped(field):
                     raise grouped(file, line, field)
                 raise RecordingError(

@@ -19,7 +19,8 @@ from ._ulog import read_ulog, ulog_topics
 _Read = TypeVar("_Read")
 
 _KNOWN = (
-    ".csv, .csv.gz, .txt, .tsv, .npy, .npz, .parquet, .mat, .h5, .bag, .mcap, .db3 or .ulg file"
+    ".csv, .csv.gz, .txt, .tsv, .npy, .npz, .parquet, .mat, .h5, .hdf5, .bag, .mcap, .db3 or "
+    ".ulg file"
 )
 
 _SPREADSHEETS = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
@@ -128,7 +129,7 @@ def contents(path: str | Path) -> tuple[Topic, ...]:
 def _format(path: Path) -> _Format | None:
     if path.is_dir():
         return _ROS if is_ros2_bag(path) else None
-    if path.suffix == ".gz":
+    if path.suffix.lower() == ".gz":
         found = _FORMATS.get(path.with_suffix("").suffix.lower())
         return found if found is _CSV else None
     return _FORMATS.get(path.suffix.lower())

@@ -3,8 +3,9 @@
 MATLAB's files since version 7.3 are of this kind too, and its own attributes are understood.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,15 +19,15 @@ from ._names import is_rate, is_unit
 from ._recording import Block, RecordingError, Table
 from ._timestamps import SHORTEST_STRETCH
 from ._topics import Topic
-from ._tree import Leaf, Place, Tree, tree_table, tree_topics
+from ._tree import Leaf, Place, Tree, longest, tree_table, tree_topics
 
 # Deeper than anyone nests groups; their paths grow with each.
 _DEEPEST = 32
 # MATLAB keeps there what cells and objects refer to.
 _INTERNAL = ("#refs#", "#subsystem#")
 _FEWEST = 1024
-# So many in all, and of these from one to before another.
-_Rows = tuple[int, int, int]
+# What to take of an array of numbers.
+_Read = Callable[[Any], np.ndarray]
 _MATLAB_NUMBERS = ("double", "single", "int", "uint")
 
 
@@ -53,29 +54,14 @@ def object_left_out(name: str, kind: str) -> str:
 
 
 def hdf5_blocks(path: Path, samples: int, topic: str | None = None) -> Iterator[Block]:
-    """The same in blocks of so many samples.
-
-    Arrays that are shorter than the longest are left out.
-    """
-    rows = _rows(path, topic)
+    """The same in blocks of so many samples."""
+    shapes = _tree(path, _shape)
+    rows = longest(shapes, topic)
     # A last block must be long enough to tell samples from channels.
     starts = range(0, max(rows - min(samples, _FEWEST), 1), samples)
     for start, stop in pairwise([*starts, rows]):
-        yield Block(tree_table(path, _tree(path, (rows, start, stop)), topic), stop, rows)
-
-
-def _rows(path: Path, topic: str | None) -> int:
-    """Samples of the longest array in a file or a group of it."""
-    asked = tuple(part for part in (topic or "").split("/") if part)
-    with _opened(path) as items:
-        return max(
-            (
-                max(item.shape)
-                for place, item in items.items()
-                if place[: len(asked)] == asked and getattr(item, "shape", None)
-            ),
-            default=0,
-        )
+        tree = _tree(path, partial(_cut, rows, start, stop))
+        yield Block(tree_table(path, tree, topic, shapes), stop, rows)
 
 
 @contextmanager
@@ -87,19 +73,23 @@ def _opened(path: Path) -> Iterator[dict[Place, Any]]:
         yield {(): file} | dict(_items((), file, {_address(file)}))
 
 
-def _tree(path: Path, rows: _Rows | None = None) -> Tree:
-    """All arrays, or of those with so many rows the rows [start, stop)."""
+def _all(item: Any) -> np.ndarray:
+    return np.asarray(item[()])
+
+
+def _tree(path: Path, read: _Read = _all) -> Tree:
+    """All arrays, of each what `read` takes of it."""
     leaves: list[Leaf] = []
     findings: list[str] = []
     with _opened(path) as items:
         datasets = {place: item for place, item in items.items() if hasattr(item, "dtype")}
-        if rows is None:
+        if read is _all:
             refuse_bomb(path, sum(item.nbytes for item in datasets.values()))
         for place, item in items.items():
             leaves += _attributes(place, item)
         for place, item in datasets.items():
-            read, doubts = _dataset(place, item, rows)
-            leaves += read
+            found, doubts = _dataset(place, item, read)
+            leaves += found
             findings += doubts
     return Tree(tuple(leaves), tuple(findings))
 
@@ -146,7 +136,7 @@ def _attributes(place: Place, item: Any) -> list[Leaf]:
     return found
 
 
-def _dataset(place: Place, item: Any, rows: _Rows | None) -> tuple[list[Leaf], list[str]]:
+def _dataset(place: Place, item: Any, read: _Read) -> tuple[list[Leaf], list[str]]:
     name, kind = "/".join(place), _text(item.attrs.get("MATLAB_class", ""))
     if item.shape is None or "MATLAB_empty" in item.attrs:
         return [], []
@@ -163,26 +153,31 @@ def _dataset(place: Place, item: Any, rows: _Rows | None) -> tuple[list[Leaf], l
     if item.dtype.names is not None:
         fields = {field: item.dtype[field] for field in item.dtype.names}
         return [
-            Leaf((*place, field), _numbers(item, kind, rows, field), unit)
+            Leaf((*place, field), _numbers(item, kind, read, field), unit)
             for field, kind in fields.items()
         ], []
-    return [Leaf(place, _numbers(item, item.dtype, rows), unit)], []
+    return [Leaf(place, _numbers(item, item.dtype, read), unit)], []
 
 
-def _numbers(item: Any, kind: np.dtype, rows: _Rows | None, field: str = "") -> np.ndarray:
+def _numbers(item: Any, kind: np.dtype, read: _Read, field: str = "") -> np.ndarray:
     """An array or a field of it; for what holds no numbers, an array of its shape."""
     if kind.base.kind in "iuf":
-        values = np.asarray(item[()] if rows is None else _cut(item, *rows))
+        values = read(item)
         return values[field] if field else values
     # Not read: many long texts may be one in the file.
     return np.broadcast_to(np.empty((), kind), item.shape + kind.shape)
 
 
-def _cut(item: Any, rows: int, start: int, stop: int) -> np.ndarray:
+def _shape(item: Any) -> np.ndarray:
+    """Zeros in its shape, which take no memory."""
+    return np.broadcast_to(np.zeros((), item.dtype), item.shape)
+
+
+def _cut(rows: int, start: int, stop: int, item: Any) -> np.ndarray:
     """The asked rows of an array that has as many, all of a small one, and nothing of others."""
     if rows in item.shape:
         return item[(slice(None),) * item.shape.index(rows) + (slice(start, stop),)]
-    return item[()] if item.size < SHORTEST_STRETCH else np.empty(0)
+    return _all(item) if item.size < SHORTEST_STRETCH else np.empty(0, item.dtype)
 
 
 def _text(value: Any) -> str:

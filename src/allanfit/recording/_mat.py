@@ -52,7 +52,8 @@ def _tree(path: Path) -> Tree:
             leaves.append(Leaf(place, value))
         elif isinstance(value, scipy.io.matlab.MatlabOpaque):
             findings.append(object_left_out(name, "object, such as a table or timetable"))
-        elif np.asarray(value).dtype.kind == "O":
+        # SciPy makes a list of a cell that holds a structure, of whatever lengths.
+        elif isinstance(value, list) or np.asarray(value).dtype.kind == "O":
             findings.append(f"{name} is left out: it is no array of real numbers.")
         else:
             leaves.append(Leaf(place, np.asarray(value)))

@@ -1,16 +1,17 @@
 """NumPy's own files: one array (`.npy`), or named arrays together (`.npz`)."""
 
+import math
 import tokenize
-import warnings
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ._damage import each_guarded, quiet
 from ._files import refuse_bomb
 from ._names import units_by_channel
 from ._recording import Block, RecordingError, Table, table_blocks
@@ -30,6 +31,8 @@ _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
+# Not channels, but what holds for all of them.
+_ABOUT = ("units", "rate_hz")
 
 
 def read_npy(path: Path) -> Table:
@@ -96,29 +99,39 @@ def _arrays(path: Path, arrays: dict[str, np.ndarray]) -> Table:
 def npz_blocks(path: Path, samples: int) -> Iterator[Block]:
     """The same in blocks of so many samples, compressed or not.
 
-    Arrays of other lengths than the longest are left out.
+    An array that is shorter than the longest ends before it, so that whoever uses both sees it.
     """
-    with ExitStack() as stack, _careful(path):
+    yield from each_guarded(lambda: _careful(path), _npz_blocks(path, samples))
+
+
+def _npz_blocks(path: Path, samples: int) -> Generator[Block, None, None]:
+    with ExitStack() as stack:
         archive = stack.enter_context(zipfile.ZipFile(path))
-        members = {}
-        for name in archive.namelist():
-            stream = stack.enter_context(archive.open(name))
-            members[name.removesuffix(".npy")] = (stream, *_header(stream))
-        rows = max((shape[0] for _, shape, _ in members.values() if len(shape) == 1), default=0)
-        # Single numbers and texts go into the first block and every other.
-        small = {
-            name: np.frombuffer(stream.read(dtype.itemsize), dtype)[0]
-            for name, (stream, shape, dtype) in members.items()
-            if shape == () and not dtype.hasobject
-        }
+        whole, series = {}, {}
+        for member in archive.namelist():
+            stream = stack.enter_context(archive.open(member))
+            name, (shape, dtype) = member.removesuffix(".npy"), _header(stream)
+            if name in _ABOUT and math.prod(shape) == 1:
+                whole[name] = np.frombuffer(stream.read(dtype.itemsize), dtype).reshape(shape)
+            elif len(shape) == 1 and dtype.kind in "iuf" and name not in _ABOUT:
+                series[name] = (stream, shape[0], dtype)
+            else:
+                # Not read: its shape and type alone are told.
+                whole[name] = np.broadcast_to(np.zeros((), dtype), shape)
+        rows = max((size for _, size, _ in series.values()), default=0)
         for start in range(0, max(rows, 1), samples):
-            count = min(samples, rows - start)
-            arrays = {name: np.asarray(value) for name, value in small.items()}
-            for name, (stream, shape, dtype) in members.items():
-                if shape == (rows,):
-                    data = stream.read(count * dtype.itemsize)
-                    arrays[name] = np.frombuffer(data, dtype, count)
-            yield Block(_arrays(path, arrays), start + count, rows)
+            stop = min(start + samples, rows)
+            arrays = whole | {
+                name: _next(stream, dtype, max(min(stop, size) - start, 0))
+                for name, (stream, size, dtype) in series.items()
+            }
+            yield Block(_arrays(path, arrays), stop, rows)
+
+
+def _next(stream: Any, dtype: np.dtype, count: int) -> np.ndarray:
+    if count == 0:
+        return np.empty(0, dtype)
+    return np.frombuffer(stream.read(count * dtype.itemsize), dtype, count)
 
 
 def _header(stream: Any) -> tuple[tuple[int, ...], np.dtype]:
@@ -129,6 +142,9 @@ def _header(stream: Any) -> tuple[tuple[int, ...], np.dtype]:
         (2, 0): np.lib.format.read_array_header_2_0,
     }[version]
     shape, _, dtype = read(stream)
+    if dtype.hasobject:
+        # In the words of NumPy, which refuses them where it reads a whole file.
+        raise ValueError("Object arrays cannot be loaded when allow_pickle=False")
     return shape, dtype
 
 
@@ -145,7 +161,7 @@ def _read(path: Path) -> np.ndarray | dict[str, np.ndarray]:
 @contextmanager
 def _careful(path: Path) -> Iterator[None]:
     # NumPy warns of files that are slow to read because Python 2 wrote them.
-    with warnings.catch_warnings(action="ignore", category=UserWarning):
+    with quiet():
         try:
             yield
         except RecordingError:

@@ -1,18 +1,19 @@
 """Parquet: a table with a unit in the metadata of a column, or in brackets behind its name."""
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..extras import needs
 from ._csv_header import BRACKETED
-from ._damage import careful
+from ._damage import careful, each_guarded
 from ._files import refuse_bomb
 from ._names import is_rate, units_by_channel
 from ._recording import Block, RecordingError, Table
 from ._timestamps import is_time
 
+_WHAT = "a Parquet file"
 _UNIT_KEYS = (b"unit", b"units")
 
 
@@ -21,7 +22,7 @@ def read_parquet(path: Path) -> Table:
 
     **Raises** `RecordingError` when the file is damaged or two columns have one name.
     """
-    with _opened(path) as file:
+    with careful(path, _WHAT), _opened(path) as file:
         wanted = _wanted(file.schema_arrow)
         refuse_bomb(path, 8 * file.metadata.num_rows * len(wanted))
         return _table(path, file.schema_arrow, file.read(columns=wanted))
@@ -29,6 +30,10 @@ def read_parquet(path: Path) -> Table:
 
 def parquet_blocks(path: Path, samples: int) -> Iterator[Block]:
     """The same in blocks of at most so many samples."""
+    yield from each_guarded(lambda: careful(path, _WHAT), _blocks(path, samples))
+
+
+def _blocks(path: Path, samples: int) -> Generator[Block, None, None]:
     with _opened(path) as file:
         import pyarrow as arrow
 
@@ -44,7 +49,7 @@ def parquet_blocks(path: Path, samples: int) -> Iterator[Block]:
 def _opened(path: Path) -> Iterator[Any]:
     with needs("allanfit[io]", "Parquet files", RecordingError):
         import pyarrow.parquet as parquet
-    with careful(path, "a Parquet file"), parquet.ParquetFile(path) as file:
+    with parquet.ParquetFile(path) as file:
         yield file
 
 

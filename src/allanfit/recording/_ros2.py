@@ -55,7 +55,11 @@ def refuse_swelling_files(path: Path) -> None:
 
 @contextmanager
 def chunks_within_bounds(path: Path) -> Iterator[None]:
-    """Let rosbags unpack chunks of MCAP to the size that they state, if it is bearable."""
+    """Let rosbags unpack chunks of MCAP to the size that they state, if it is bearable.
+
+    Its functions are replaced for the whole process: only within `careful`, where a thread is
+    alone.
+    """
     import lz4.frame
     from rosbags.rosbag2 import storage_mcap
 

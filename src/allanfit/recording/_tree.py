@@ -66,31 +66,20 @@ class Tree:
     """What is in the file and cannot be read."""
 
 
-def tree_table(path: Path, tree: Tree, topic: str | None) -> Table:
+def tree_table(path: Path, tree: Tree, topic: str | None, whole: Tree | None = None) -> Table:
     """The columns in `topic`, or in the whole file.
 
-    A matrix has a column for each channel, and three are called x, y and z.
+    A matrix has a column for each channel, and three are called x, y and z. Where `tree` has some
+    rows of a file alone, `whole` has the shapes of all of it, with any values.
 
     **Raises** `RecordingError` when there are none, or arrays that do not belong together.
     """
-    leaves, findings = tree.leaves, tree.findings
-    asked = tuple(part for part in (topic or "").split("/") if part)
-    inside = [leaf for leaf in leaves if leaf.place[: len(asked)] == asked]
-    if asked and not inside:
-        raise RecordingError(f"{path.name} has no topic {topic}; it has {_told(_parts(leaves))}.")
-    above = [leaf for leaf in leaves if leaf.group == asked[: len(leaf.group)]]
-    for leaf in inside:
-        if leaf.array.size > 1 and not leaf.length:
-            findings += (
-                f"The array {_spelled(leaf.place)} is left out: a channel is a series of real "
-                f"numbers, and it has the shape {leaf.array.shape} of {leaf.array.dtype}.",
-            )
-    series = [leaf for leaf in inside if leaf.length and not leaf.is_clock]
-    if not series:
-        advice = "store each as an array of numbers"
-        raise RecordingError(" ".join((f"{path.name} holds no channel: {advice}.", *findings)))
-    clocks = [leaf for leaf in (*inside, *above) if leaf.is_clock]
-    _check_one_recording(path, leaves, series, clocks)
+    leaves = tree.leaves
+    findings = _about_lengths(path, whole or tree, topic)
+    inside, above = _parted(leaves, topic)
+    series = _series(inside)
+    clocks = _clocks(inside, above)
+    _check_one_clock(path, (whole or tree).leaves, clocks)
     length = max(leaf.length for leaf in series)
     clock = next((leaf for leaf in clocks if leaf.length == length), None)
     columns = {clock.name: clock.array} if clock else {}
@@ -112,6 +101,11 @@ def tree_table(path: Path, tree: Tree, topic: str | None) -> Table:
     return Table(columns, {name: unit for name, unit in units.items() if unit}, rate_hz, findings)
 
 
+def longest(tree: Tree, topic: str | None) -> int:
+    """Samples of the longest channel in `topic`, 0 without one."""
+    return max((leaf.length for leaf in _series(_parted(tree.leaves, topic)[0])), default=0)
+
+
 def tree_topics(path: Path, tree: Tree) -> tuple[Topic, ...]:
     """The whole file where its arrays belong together, or else its parts.
 
@@ -127,19 +121,79 @@ def tree_topics(path: Path, tree: Tree) -> tuple[Topic, ...]:
     return tuple(topic_of(tree_table(path, tree, name), name) for name in names)
 
 
-def _check_one_recording(
-    path: Path, leaves: Sequence[Leaf], series: list[Leaf], clocks: list[Leaf]
-) -> None:
+def _place(topic: str | None) -> Place:
+    return tuple(part for part in (topic or "").split("/") if part)
+
+
+def _parted(leaves: Sequence[Leaf], topic: str | None) -> tuple[list[Leaf], list[Leaf]]:
+    """What is in a topic, and what holds for it: all in the groups that it is in."""
+    asked = _place(topic)
+    inside = [leaf for leaf in leaves if leaf.place[: len(asked)] == asked]
+    return inside, [leaf for leaf in leaves if leaf.group == asked[: len(leaf.group)]]
+
+
+def _series(leaves: Sequence[Leaf]) -> list[Leaf]:
+    return [leaf for leaf in leaves if leaf.length and not leaf.is_clock]
+
+
+def _clocks(inside: list[Leaf], above: list[Leaf]) -> list[Leaf]:
+    return [leaf for leaf in (*inside, *above) if leaf.is_clock]
+
+
+def _about_lengths(path: Path, tree: Tree, topic: str | None) -> tuple[str, ...]:
+    """What cannot be used of a tree; only the shapes of its arrays matter.
+
+    **Raises** `RecordingError` when there is no channel, or some are longer than others.
+    """
+    leaves, findings = tree.leaves, tree.findings
+    inside, above = _parted(leaves, topic)
+    if _place(topic) and not inside:
+        raise RecordingError(f"{path.name} has no topic {topic}; it has {_told(_parts(leaves))}.")
+    for leaf in inside:
+        if leaf.array.size > 1 and not leaf.length:
+            findings += (
+                f"The array {_spelled(leaf.place)} is left out: a channel is a series of real "
+                f"numbers, and it has the shape {leaf.array.shape} of {leaf.array.dtype}.",
+            )
+    series = _series(inside)
+    if not series:
+        advice = "store each as an array of numbers"
+        raise RecordingError(" ".join((f"{path.name} holds no channel: {advice}.", *findings)))
     # A temperature is allowed to be logged more rarely.
     lengths = {
         leaf.length for leaf in series if not is_temperature(leaf.name, leaf.unit, Table({}, {}))
     }
-    differ = any(
-        one.group != clocks[0].group and not np.array_equal(one.array, clocks[0].array)
-        for one in clocks
+    clocks = _clocks(inside, above)
+    differ = any(one.length != clocks[0].length for one in clocks if one.group != clocks[0].group)
+    if len(lengths) > 1 or differ:
+        _refuse_several(path, leaves)
+    return findings + _about_clocks(series, clocks)
+
+
+def _about_clocks(series: list[Leaf], clocks: list[Leaf]) -> tuple[str, ...]:
+    """What is said of clocks that tell nothing of the channels, where no other does."""
+    length = max(leaf.length for leaf in series)
+    if any(clock.length == length for clock in clocks):
+        return ()
+    # A temperature may have a clock of its own beside it.
+    timed = _common([leaf.group for leaf in series if leaf.length == length])
+    return tuple(
+        f"The time stamps {_spelled(clock.place)} have {clock.length} values and the channels "
+        f"{length} samples: they are not used."
+        for clock in clocks
+        if clock.group == timed[: len(clock.group)]
     )
+
+
+def _check_one_clock(path: Path, leaves: Sequence[Leaf], clocks: list[Leaf]) -> None:
+    others = (one for one in clocks if one.group != clocks[0].group)
+    if any(not np.array_equal(one.array, clocks[0].array) for one in others):
+        _refuse_several(path, leaves)
+
+
+def _refuse_several(path: Path, leaves: Sequence[Leaf]) -> None:
     parts = _parts(leaves)
-    if len(parts) > 1 and (len(lengths) > 1 or differ):
+    if len(parts) > 1:
         raise RecordingError(
             f"{path.name} holds arrays that were not sampled together: choose one of "
             f"{_told(parts)} with --topic."
