@@ -150,6 +150,17 @@ def test_simulate_then_load_gives_the_same_samples(tmp_path, ending):
     np.testing.assert_allclose(found.samples / found.factor, expected, rtol=1e-12)
 
 
+def test_the_largest_seed_simulates_every_channel_and_a_larger_one_is_told(tmp_path, capsys):
+    source, output = tmp_path / "c.yaml", tmp_path / "sim.npz"
+    source.write_text("gyro: {N: 1 deg/√h}\naccelerometer: {N: 60 ug/√Hz}\n", encoding="utf-8")
+    arguments = ["simulate", str(source), "--duration", "60", "--rate", "50"]
+    arguments += ["--output", str(output), "--seed"]
+    assert main([*arguments, str(2**32 - 1)]) == 0
+    assert output.exists()
+    assert main([*arguments, "20240101120000"]) == 2
+    assert "4294967295" in capsys.readouterr().err
+
+
 def test_simulate_from_a_fit_keeps_channels_and_units(recording, tmp_path):
     target, output = tmp_path / "fit.json", tmp_path / "sim.npz"
     assert main(["fit", str(recording), "--no-posterior", "--json", str(target)]) == 0
