@@ -208,3 +208,16 @@ def test_bad_tables(tmp_path, text, options, message):
     path.write_text(text)
     with pytest.raises(ValueError, match=message):
         rate_table(path, **options)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"rate": [], "cw": [], "ccw": []}, "columns of the rate table are empty"),
+        ({"rate": [1.0], "cw": [1.0], "CW": [2.0], "ccw": [1.0]}, "data has two columns cw"),
+        ({"rate": [1.0], "cw": [1.0], " cw": [2.0], "ccw": [1.0]}, "data has two columns cw"),
+    ],
+)
+def test_bad_columns(table, message):
+    with pytest.raises(ValueError, match=message):
+        rate_table(table)
