@@ -1,8 +1,10 @@
-"""Settings of XLA: one that a release does not know would end the process."""
+"""Settings of XLA: one that a release does not know would end the process. What the cache keeps."""
+
+import os
 
 import pytest
 
-from allanfit.compilation import _flags
+from allanfit.compilation import _flags, _forget_oldest
 
 
 @pytest.mark.parametrize(
@@ -12,3 +14,14 @@ def test_flags_are_given_to_releases_that_know_them(release, known):
     flags = _flags(release).split()
     assert ("--xla_cpu_use_fusion_emitters=false" in flags) is known
     assert "--xla_backend_optimization_level=1" in flags
+
+
+def test_the_oldest_programs_go_though_another_process_removes_some(tmp_path, monkeypatch):
+    monkeypatch.setattr("allanfit.compilation._MOST_BYTES", 25)
+    for age, name in enumerate(("newest", "newer", "older", "oldest")):
+        (tmp_path / name).write_bytes(b"0123456789")
+        os.utime(tmp_path / name, (1e9 - age, 1e9 - age))
+    # What is listed but has no status, as a file that is gone by the time it is asked for.
+    (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
+    _forget_oldest(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["gone", "newer", "newest"]

@@ -170,6 +170,9 @@ def test_a_rate_out_of_range(rate_hz):
         ({"N": 1.0, "Z": 1.0}, {"N": 0.1}, "Unknown coefficient 'Z'"),
         ({"N": -1.0}, {"N": 0.1}, "zero or more"),
         ({"N": math.nan}, {"N": 0.1}, "zero or more"),
+        # Their squares, or those of their squares, are zero or infinite.
+        ({"N": 1e-3, "B": 1e-170}, {"B": 0.1}, "B must be zero, or from 1e-40 to 1e.40; got 1e-17"),
+        ({"N": 1e-3, "K": 1e90}, {"N": 0.1}, "K must be zero, or from 1e-40 to 1e.40; got 1e.90"),
         ({"R": 1.0}, {"R": 0.1}, "needs noise"),
         ({"N": 0.0}, {"N": 0.1}, "needs noise"),
     ],
@@ -270,3 +273,9 @@ def test_advice_knows_when_it_is_hopeless():
     assert advice({"N": 5e-3, "K": 1e-9}, {"N": True, "K": True}, eight_years, 50.0) == (
         "No record of less than 10 years would halve the interval of K.",
     )
+
+
+@pytest.mark.parametrize("rate_hz", [1e-6, 1e6])
+def test_coefficients_at_the_ends_of_what_is_allowed_have_errors(rate_hz):
+    found = allanfit.plan({"N": 1e-40, "K": 1e40}, rate_hz, {"K": 0.1})
+    assert all(map(math.isfinite, found.relative_standard_error.values()))

@@ -6,6 +6,7 @@ programs, call this.
 
 import os
 import warnings
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -43,13 +44,14 @@ def shorten_compilation(folder: Path) -> None:
         return
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _forget_oldest(folder)
     except OSError:
         return
     if os.access(folder, os.W_OK):
         warnings.filterwarnings("ignore", message="Error .* persistent compilation cache")
         jax.config.update("jax_compilation_cache_dir", str(folder))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+        with suppress(OSError):
+            _forget_oldest(folder)
 
 
 def _flags(jaxlib_version: str) -> str:
@@ -62,9 +64,14 @@ def _flags(jaxlib_version: str) -> str:
 def _forget_oldest(folder: Path) -> None:
     # JAX's own bound needs a second file for each program, and fails for want of one when a
     # process was stopped between the two.
-    files = sorted(folder.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
+    found = []
+    for path in folder.iterdir():
+        # Another process may have removed it meanwhile.
+        with suppress(OSError):
+            status = path.stat()
+            found.append((status.st_mtime, status.st_size, path))
     total = 0
-    for path in files:
-        total += path.stat().st_size
+    for _, size, path in sorted(found, reverse=True):
+        total += size
         if total > _MOST_BYTES:
             path.unlink(missing_ok=True)

@@ -23,13 +23,17 @@ class ChannelCurves:
     samples: int
     """In stretches of at least 16 samples."""
     mean: float
+    """[u], with u = si_unit."""
     tau_s: Float[np.ndarray, " sizes"]
+    """Averaging times [s]."""
     allan_variance: Float[np.ndarray, " sizes"]
+    """[u^2]."""
     frequency_hz: Float[np.ndarray, " bins"]
+    """Mean frequency of each bin [Hz]."""
     density: Float[np.ndarray, " bins"]
-    """One-sided, per Hz, the rate ramp taken out."""
+    """One-sided power spectral density [u^2/Hz], the rate ramp taken out."""
     ordinates: Float[np.ndarray, " bins"]
-    """How many each bin averages: half of its degrees of freedom times two."""
+    """How many ordinates each bin averages, each of one degree of freedom."""
     findings: tuple[str, ...]
 
 

@@ -39,6 +39,14 @@ def test_exact_readings_give_the_truth_and_the_correction():
     np.testing.assert_allclose(found.correction(data), GRAVITY * direction, atol=1e-6)
 
 
+@pytest.mark.parametrize("like", [np.ndarray.tolist, jnp.asarray])
+def test_means_may_be_in_any_array_or_list(like):
+    rng = np.random.default_rng(0)
+    data = readings(directions(rng, 12), rng, 0.0)
+    found = multi_position(like(data), gravity=GRAVITY)
+    assert found["x"].bias.value == pytest.approx(BIAS[0], abs=1e-5)
+
+
 def test_another_solver_finds_the_same():
     rng = np.random.default_rng(1)
     data = readings(directions(rng, 20), rng, 3e-3)
@@ -191,6 +199,11 @@ def test_bad_positions(make, options, message):
     data = make(readings(direction, rng, 1e-3))
     with pytest.raises(ValueError, match=message):
         multi_position(data, gravity=GRAVITY, **options)
+
+
+def test_what_is_neither_a_file_nor_numbers_is_refused():
+    with pytest.raises(ValueError, match="must hold real numbers; got <U1"):
+        multi_position([["a", "b", "c"]])
 
 
 @pytest.mark.parametrize(

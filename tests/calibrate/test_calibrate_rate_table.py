@@ -114,6 +114,39 @@ def test_the_earth_as_the_reference():
     assert found.bias.intervals["0.95"] is None
 
 
+def at_rest(readings, scatter, seed=0):
+    """Readings of a gyro at 60 degrees north, up and turned over, with a bias of -3 deg/h."""
+    rate = 15.0410671 * math.sin(math.radians(60.0))
+    noise = scatter * np.random.default_rng(seed).standard_normal((2, readings))
+    return {"cw": rate - 3.0 + noise[0], "ccw": -rate - 3.0 + noise[1]}
+
+
+def exchanged(table):
+    return {"cw": table["ccw"], "ccw": table["cw"]}
+
+
+def of_the_earth(table):
+    return rate_table(table, unit="deg/h", latitude_deg=60.0, reference="earth")
+
+
+def test_the_earth_seen_the_wrong_way_round_is_refused():
+    table = at_rest(4, scatter=0.5)
+    assert of_the_earth(table).findings == ()
+    with pytest.raises(
+        ValueError, match="change against the Earth's rate: the columns are swapped"
+    ):
+        of_the_earth(exchanged(table))
+
+
+def test_the_earth_seen_the_wrong_way_round_once_is_told():
+    # A single pair has no interval, and a gyro that barely resolves the Earth a wide one.
+    for readings, scatter in ((1, 0.0), (2, 4.0)):
+        table = at_rest(readings, scatter, seed=3)
+        assert of_the_earth(table).findings == ()
+        (finding,) = of_the_earth(exchanged(table)).findings
+        assert "the columns may be swapped" in finding
+
+
 def test_two_rates_give_values_and_the_reason_for_no_intervals():
     found = rate_table(columns(rates=(10.0, 20.0)), unit="rpm")
     assert found["data"].bias.value == pytest.approx(0.3)
@@ -175,3 +208,16 @@ def test_bad_tables(tmp_path, text, options, message):
     path.write_text(text)
     with pytest.raises(ValueError, match=message):
         rate_table(path, **options)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"rate": [], "cw": [], "ccw": []}, "columns of the rate table are empty"),
+        ({"rate": [1.0], "cw": [1.0], "CW": [2.0], "ccw": [1.0]}, "data has two columns cw"),
+        ({"rate": [1.0], "cw": [1.0], " cw": [2.0], "ccw": [1.0]}, "data has two columns cw"),
+    ],
+)
+def test_bad_columns(table, message):
+    with pytest.raises(ValueError, match=message):
+        rate_table(table)

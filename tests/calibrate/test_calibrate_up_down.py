@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -143,6 +144,14 @@ def test_units_come_back_as_they_were_given():
     )
 
 
+@pytest.mark.parametrize("like", [list, jnp.asarray])
+def test_samples_may_be_in_any_array_or_list(like):
+    up, down = recordings()
+    given = {"rate_hz": RATE_HZ, "gravity": GRAVITY, "noise": {"N": 5e-3}}
+    bias = up_down(like(up), like(down), **given)["data"].bias
+    assert bias.value == pytest.approx(up_down(up, down, **given)["data"].bias.value, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("change", "options", "message"),
     [
@@ -157,6 +166,8 @@ def test_units_come_back_as_they_were_given():
         (lambda up, down: (up, down), {"gap_s": -1.0}, "zero or more seconds"),
         (lambda up, down: (up, down), {"rate_hz": None}, "needs rate_hz"),
         (lambda up, down: (up, np.where(down > down.mean(), np.nan, down)), {}, "not finite"),
+        (lambda up, down: (up, ["a", "b"]), {}, "must hold real numbers; got <U1"),
+        (lambda up, down: (up, [[1.0], [2.0, 3.0]]), {}, "must be equally long"),
         (lambda up, down: (up, down), {"noise": {"N": -1.0}}, "noise holds N"),
         (lambda up, down: (up, down), {"noise": {"N": 0.0}}, "noise is all zero"),
     ],

@@ -1,5 +1,6 @@
 """The command line: results, exit status, and one line for everything that goes wrong."""
 
+import errno
 import json
 from importlib import metadata
 
@@ -150,6 +151,17 @@ def test_simulate_then_load_gives_the_same_samples(tmp_path, ending):
     np.testing.assert_allclose(found.samples / found.factor, expected, rtol=1e-12)
 
 
+def test_the_largest_seed_simulates_every_channel_and_a_larger_one_is_told(tmp_path, capsys):
+    source, output = tmp_path / "c.yaml", tmp_path / "sim.npz"
+    source.write_text("gyro: {N: 1 deg/√h}\naccelerometer: {N: 60 ug/√Hz}\n", encoding="utf-8")
+    arguments = ["simulate", str(source), "--duration", "60", "--rate", "50"]
+    arguments += ["--output", str(output), "--seed"]
+    assert main([*arguments, str(2**32 - 1)]) == 0
+    assert output.exists()
+    assert main([*arguments, "20240101120000"]) == 2
+    assert "4294967295" in capsys.readouterr().err
+
+
 def test_simulate_from_a_fit_keeps_channels_and_units(recording, tmp_path):
     target, output = tmp_path / "fit.json", tmp_path / "sim.npz"
     assert main(["fit", str(recording), "--no-posterior", "--json", str(target)]) == 0
@@ -159,18 +171,32 @@ def test_simulate_from_a_fit_keeps_channels_and_units(recording, tmp_path):
     assert (channel.name, channel.unit, len(channel.samples)) == ("gyro_x", "deg/s", 5000)
 
 
+def test_a_full_disk_is_told_without_the_name_of_a_file(monkeypatch, tmp_path, capsys):
+    def full(path):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("allanfit.cli.contents", full)
+    assert main(["fit", str(tmp_path), "--list"]) == 1
+    told = capsys.readouterr().err
+    assert told == "allanfit: Input or output failed: No space left on device.\n"
+
+
 @pytest.mark.parametrize(
     ("content", "arguments", "message"),
     [
-        (b"", [], "empty"),
-        (b"\x00\x01\xff\xfe" * 100, [], "bad.csv"),
-        (b"x [deg/s]\n" + b"1.0\n" * 300, ["--rate", "10"], "constant|vary|same"),
-        (b"x [deg/s]\n1.0\n2.0\n", ["--rate", "10"], "256"),
-        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, [], "--rate"),
-        (b"x [furlong]\n" + b"1.0\n2.0\n" * 300, ["--rate", "10"], "furlong"),
-        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, ["--rate", "10", "--channel", "y"], "'y'|y"),
-        (b"x [deg/s]\n" + b"nan\n" * 300, ["--rate", "10"], "finite|NaN|256"),
-        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, ["--rate", "-5"], "rate"),
+        (b"", [], "is empty"),
+        (b"\x00\x01\xff\xfe" * 100, [], "is not plain text"),
+        (b"x [deg/s]\n" + b"1.0\n" * 300, ["--rate", "10"], "x cannot be analysed: it is constant"),
+        (b"x [deg/s]\n1.0\n2.0\n", ["--rate", "10"], "at least 256 are needed"),
+        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, [], "tells no sampling rate.*give it with --rate"),
+        (b"x [furlong]\n" + b"1.0\n2.0\n" * 300, ["--rate", "10"], "'furlong' is not known"),
+        (
+            b"x [deg/s]\n" + b"1.0\n2.0\n" * 300,
+            ["--rate", "10", "--channel", "y"],
+            "has no channel y; it has x",
+        ),
+        (b"x [deg/s]\n" + b"nan\n" * 300, ["--rate", "10"], "it has 0 usable samples"),
+        (b"x [deg/s]\n" + b"1.0\n2.0\n" * 300, ["--rate", "-5"], "the rate given is -5"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_no_file(content, arguments, message, tmp_path, capsys):

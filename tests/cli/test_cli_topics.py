@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from allanfit.cli import main
+from allanfit.recording import Topic
 
 
 @pytest.fixture
@@ -32,6 +33,16 @@ def test_list_says_what_is_inside(two, capsys):
         "  gyro_x  -",
     ]
     assert err == ""
+
+
+def test_list_sends_no_control_characters_to_the_terminal(monkeypatch, tmp_path, capsys):
+    hostile = "a\x1b[31m\n"
+    topic = Topic(name=hostile, kind=hostile, samples=1, rate_hz=1.0, units={hostile: hostile})
+    monkeypatch.setattr("allanfit.cli.contents", lambda path: (topic,))
+    assert main(["fit", str(tmp_path), "--list"]) == 0
+    out = capsys.readouterr().out
+    assert "\x1b" not in out
+    assert len(out.splitlines()) == 2
 
 
 @pytest.mark.parametrize("command", ["fit", "explain"])

@@ -102,6 +102,19 @@ def test_sheets_that_make_no_sense_are_refused(tmp_path, text, message):
     assert "\n" not in str(caught.value)
 
 
+def test_a_mark_before_the_number_makes_it_a_largest_value_unless_one_is_named(tmp_path):
+    path = write(
+        tmp_path,
+        "gyro:\n"
+        "  bias instability: < 7 deg/hr\n"
+        "  angle random walk: ≤0.2 deg/√h\n"
+        "  rate random walk: {typical: < 3 deg/h/√h}\n"
+        "  noise density: 0.01 deg/s/√Hz\n",
+    )
+    bounds = [line.bound for line in allanfit.read_datasheet(path).lines]
+    assert bounds == ["max", "max", "typical", "typical"]
+
+
 def test_a_missing_file_is_told(tmp_path):
     with pytest.raises(DatasheetError, match=r"There is no file .*none.yaml"):
         allanfit.read_datasheet(tmp_path / "none.yaml")

@@ -119,7 +119,13 @@ def test_rows_and_notes_say_how_words_were_read():
     }
     density, walk = sheet_rows(channel)
     assert density.stated == "2.2 rad/s/√Hz typical"
-    assert (walk.stated, walk.measured, walk.verdict) == ("1.5 rad/s/√s max", "< 0.99", "met")
+    assert (walk.stated, walk.measured, walk.verdict) == ("1.5 rad/s/√s max", "< 0.98", "met")
+    # Half of 1.95, where 95 % of the draws lie below; half of 1.975 ends the interval.
+    assert [line.upper_limit_95 for line in lines] == [None, pytest.approx(0.975, abs=1e-3)]
+    old = datasheet_document(sheet, lines)
+    for line in old["lines"]:
+        del line["upper_limit_95"]
+    assert sheet_rows({"datasheet": old})[1].measured == "< 0.99"
     reading, misfit = sheet_notes(channel)
     assert reading == (
         "noise density is read as the root of a one-sided density, √2 N; read as N itself, it is "

@@ -225,6 +225,34 @@ def test_no_button_sends_a_figure_away(opened, fit_file):
     assert not [title for title in titles if "loud" in title or "link" in title.lower()]
 
 
+@pytest.mark.parametrize(
+    ("what", "instead"),
+    [
+        (r'(.*<script type="application/json">)', r"\1 this is no figure "),
+        (r'(.*)<div class="live"[^>]*>.*?</div>', r"\1"),
+    ],
+    ids=["fails", "has no live twin"],
+)
+def test_a_figure_that_is_not_drawn_keeps_its_still_one(browser, fit_file, tmp_path, what, instead):
+    text = fit_file.read_text("utf-8")
+    # The last of the two, so that the first is drawn.
+    broken, changes = re.subn(what, instead, text, count=1, flags=re.DOTALL)
+    assert changes == 1
+    target = tmp_path / "broken.html"
+    target.write_text(broken, "utf-8")
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page.goto(target.as_uri())
+    page.locator(".interactive").first.scroll_into_view_if_needed()
+    page.locator(".live .legend").first.wait_for()
+    figures = page.locator(".interactive figure")
+    still = [figures.nth(k).locator(".still").is_visible() for k in range(2)]
+    assert still == [False, True]
+    assert figures.locator(".live").first.is_visible()
+    page.locator(".switches button[data-axis=xaxis][data-type=linear]").first.click()
+    wait_until(page, "document.querySelector('.live').layout.xaxis.type === 'linear'")
+    page.close()
+
+
 def test_print_has_the_drawn_figures(opened, fit_file):
     page = opened(fit_file)
     still, live = page.locator(".drawn .still").first, page.locator(".drawn .live").first

@@ -4,12 +4,13 @@ import os
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..recording import Channel, Recording, load
 from ..recording._units import parse_unit
 
-#: A file, a `Recording`, or samples of shape (samples,) or (samples, 3).
-Data = Recording | np.ndarray | str | os.PathLike[str]
+#: A file, a `Recording`, or samples of shape (samples,) or (samples, 3), in any array or list.
+Data = Recording | ArrayLike | str | os.PathLike[str]
 
 
 def as_recording(
@@ -26,9 +27,23 @@ def as_recording(
     """
     if isinstance(data, Recording):
         return data
-    if isinstance(data, np.ndarray):
-        return _from_array(data, rate_hz, unit)
-    return load(data, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic)
+    if isinstance(data, str | os.PathLike):
+        return load(data, rate_hz=rate_hz, channels=channels, unit=unit, topic=topic)
+    return _from_array(as_numbers(data), rate_hz, unit)
+
+
+def as_numbers(data: ArrayLike) -> np.ndarray:
+    """Anything like an array, as NumPy's.
+
+    **Raises:** `ValueError` for what holds something other than real numbers.
+    """
+    try:
+        found = np.asarray(data)
+    except ValueError as error:
+        raise ValueError("the rows of an array must be equally long.") from error
+    if found.dtype.kind not in "iuf":
+        raise ValueError(f"an array must hold real numbers; got {found.dtype}.")
+    return found
 
 
 def _from_array(data: np.ndarray, rate_hz: float | None, unit: str | None) -> Recording:

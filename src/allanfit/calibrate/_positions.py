@@ -9,12 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
+from numpy.typing import ArrayLike
 
 from ..recording import Recording, is_recording, load
 from ..recording._csv import read_csv
 from ..recording._files import require_file
 from ..recording._timestamps import time_columns
 from ..recording._units import Unit, parse_unit
+from ._data import as_numbers
 from ._still import still_means
 
 # A table of means has a row a position; nobody turns a sensor this often by hand.
@@ -39,8 +41,8 @@ class Positions(NamedTuple):
     findings: tuple[str, ...]
 
 
-#: A file, a `Recording`, or means of shape (positions, 3).
-PositionData = Recording | np.ndarray | str | os.PathLike[str]
+#: A file, a `Recording`, or means of shape (positions, 3), in any array or list.
+PositionData = Recording | ArrayLike | str | os.PathLike[str]
 
 
 def read_positions(
@@ -60,9 +62,9 @@ def read_positions(
     """
     if isinstance(data, Recording):
         return _cut(data, gravity)
-    if isinstance(data, np.ndarray):
+    if not isinstance(data, str | os.PathLike):
         own = _unit({}, ("x", "y", "z"), unit)
-        return _table("data", ("x", "y", "z"), data, own, reference, ())
+        return _table("data", ("x", "y", "z"), as_numbers(data), own, reference, ())
     path = Path(data)
     if not (path.is_dir() and is_recording(path)):
         require_file(path)

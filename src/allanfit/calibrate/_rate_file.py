@@ -87,6 +87,8 @@ def _columns(data: RateData) -> tuple[str, dict[str, np.ndarray], dict[str, str]
                 raise ValueError(f"The column {key} must be a list of numbers, one for each rate.")
         if len({len(column) for column in columns.values()}) > 1:
             raise ValueError("The columns of a rate table must be equally long.")
+        if any(len(column) == 0 for column in columns.values()):
+            raise ValueError("The columns of the rate table are empty; give a row for each rate.")
     else:
         path = Path(data)
         require_file(path)
@@ -101,8 +103,16 @@ def _columns(data: RateData) -> tuple[str, dict[str, np.ndarray], dict[str, str]
                 f"{name}: the column {key} has no number in row {bad[0] + 1}; fill it in or leave "
                 "the row out."
             )
-    lower = {key.strip().lower(): column.astype(np.float64) for key, column in columns.items()}
-    return name, lower, {key.strip().lower(): unit for key, unit in units.items()}
+    lower: dict[str, np.ndarray] = {}
+    for key, column in columns.items():
+        if _plain(key) in lower:
+            raise ValueError(f"{name} has two columns {_plain(key)}, for case makes no difference.")
+        lower[_plain(key)] = column.astype(np.float64)
+    return name, lower, {_plain(key): unit for key, unit in units.items()}
+
+
+def _plain(key: str) -> str:
+    return key.strip().lower()
 
 
 def _unit_of(column: str, stated: str, given: Unit) -> Unit:

@@ -188,7 +188,10 @@ def _calibrate(
             ("clockwise",) * len(rate) + ("counter-clockwise",) * len(rate),
         ),
     )
-    return axis, _about_outlier(pairs, rate, line.studentized) if told else ()
+    findings = _about_outlier(pairs, rate, line.studentized) if told else ()
+    if reference == "earth":
+        findings += _about_turned_over(pairs.name, axis.scale_factor)
+    return axis, findings
 
 
 def _per_rate(
@@ -237,6 +240,25 @@ def _refuse_mixed_up(pairs: RatePairs, slope: float) -> None:
         "nearly 1: check that rates and readings are in one unit (a header may say `rate [rpm]`), "
         "and give counter-clockwise readings a minus sign."
     )
+
+
+def _about_turned_over(name: str, scale_factor: Quantity) -> tuple[str, ...]:
+    """Whether cw and ccw are exchanged, for a gyro whose readings are mostly bias and noise.
+
+    Noise alone may put the value near -2, but its interval seldom.
+    """
+    interval = scale_factor.intervals["0.95"]
+    if interval is not None and all(abs(end + 2) < _LARGEST_SCALE_ERROR for end in interval):
+        raise ValueError(
+            f"{name}: the readings change against the Earth's rate: the columns are swapped, or "
+            "the axis points the other way; exchange them."
+        )
+    if abs(scale_factor.value + 2) < _LARGEST_SCALE_ERROR:
+        return (
+            f"{name}: the readings change against the Earth's rate, unless that is noise: the "
+            "columns may be swapped; repeat the readings to tell.",
+        )
+    return ()
 
 
 def _about_outlier(

@@ -338,7 +338,10 @@ def main(argv: Sequence[str]) -> int:
         # Our own errors are one sentence each; whatever else arrives is made one line.
         text = str(error) or type(error).__name__
         if isinstance(error, OSError) and error.strerror:
-            text = f"{str(error.filename)!r:.80} cannot be used: {error.strerror}."
+            # A full disk has no name, and neither has one that fails while it is read.
+            told = f"{str(error.filename)!r:.80} cannot be used"
+            told = "Input or output failed" if error.filename is None else told
+            text = f"{told}: {error.strerror}."
         message = printable(" ".join(text.split()))
         typer.echo(f"allanfit: {message}", err=True)
         return 1

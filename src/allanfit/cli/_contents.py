@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from ..recording import Topic
+from ..report._format import printable
 
 
 def contents_text(topics: Sequence[Topic]) -> str:
@@ -14,7 +15,9 @@ def _paragraph(topic: Topic) -> str:
     rate = "rate unknown" if topic.rate_hz is None else f"{topic.rate_hz:.6g} Hz"
     noun = "message" if topic.kind else "sample"
     amount = f"{topic.samples} {noun}{'s' * (topic.samples != 1)}"
-    head = ", ".join(part for part in (topic.name, topic.kind, amount, rate) if part)
-    width = max(map(len, topic.units), default=0)
-    channels = [f"  {name:<{width}}  {unit or '-'}" for name, unit in topic.units.items()]
+    named = (printable(topic.name), printable(topic.kind), amount, rate)
+    head = ", ".join(part for part in named if part)
+    units = [(printable(name), printable(unit)) for name, unit in topic.units.items()]
+    width = max((len(name) for name, _ in units), default=0)
+    channels = [f"  {name:<{width}}  {unit or '-'}" for name, unit in units]
     return "\n".join((head, *(channels or ["  not of a type that is read"])))

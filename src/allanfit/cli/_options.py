@@ -41,7 +41,14 @@ Figure = Annotated[
         "beside it with -psd in its name.",
     ),
 ]
-Seed = Annotated[int, typer.Option(help="Seed; the same seed gives the same numbers.", min=0)]
+# The sampler takes no larger one, and simulate's seeds of many channels stay far below 2^63.
+_LARGEST_SEED = 2**32 - 1
+Seed = Annotated[
+    int,
+    typer.Option(
+        help="Seed; the same seed gives the same numbers.", min=0, max=_LARGEST_SEED, metavar="N"
+    ),
+]
 Sampling = Annotated[
     Literal["point", "averaged"],
     typer.Option(help="Whether a sample is a value at an instant or a mean over the interval."),

@@ -54,6 +54,8 @@ class Judged:
     measured: float | None = None
     """Median, read as the line is."""
     interval_95: tuple[float, float] | None = None
+    upper_limit_95: float | None = None
+    """One-sided, of what is not resolved; None where it is."""
     resolved: bool = False
     of_curve: bool = False
     """Read off the Allan deviation itself, since the five terms do not explain the recording."""
@@ -71,6 +73,7 @@ class Judged:
             "stated": self.line.number,
             "measured": self.measured,
             "interval_95": None if self.interval_95 is None else list(self.interval_95),
+            "upper_limit_95": self.upper_limit_95,
             "resolved": self.resolved,
             "from": "curve" if self.of_curve else "posterior",
             "probability": self.probability,
@@ -107,13 +110,15 @@ def _judged(line: Line, shown: Shown) -> Judged:
     if line.meaning != "coefficient" and not values.of_curve:
         differs = _verdict(line, _values("coefficient", line.symbol, shown))[1]
         as_coefficient = None if differs == verdict else differs
-    low, middle, high = np.quantile(values.draws, [0.025, 0.5, 0.975]) / line.factor
+    quantiles = np.quantile(values.draws, [0.025, 0.5, 0.95, 0.975]) / line.factor
+    low, middle, limit, high = map(float, quantiles)
     return Judged(
         line,
         verdict,
         probability,
-        float(middle),
-        (float(low) if values.seen else 0.0, float(high)),
+        middle,
+        (low if values.seen else 0.0, high),
+        None if values.seen else limit,
         values.seen,
         values.of_curve,
         as_coefficient,

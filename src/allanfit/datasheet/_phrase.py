@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ..coefficient_units import UNITS, Measured, measured_by
 
-_PHRASE = re.compile(r"[<≤]?\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(.*)", re.IGNORECASE)
+_PHRASE = re.compile(r"([<≤]?)\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(.*)", re.IGNORECASE)
 # What says only that the number is a standard deviation.
 _STANDARD_DEVIATION = re.compile(r",?\s*\(?\b(?:rms|1[\s-]?(?:σ|sigma))\)?\s*$", re.IGNORECASE)
 _BANDWIDTH = re.compile(r"\b(?:bandwidth|bw|at|over)\b|@", re.IGNORECASE)
@@ -22,6 +22,8 @@ class Quantity(NamedTuple):
     number: float
     unit: str
     measured: Measured
+    bounded: bool
+    """Whether `<` or `≤` stands before it, so that it is no typical value."""
 
     @property
     def si(self) -> float:
@@ -38,7 +40,7 @@ def parse_phrase(phrase: object, example: str = "deg/sqrt(h)") -> Quantity:
     found = None if isinstance(phrase, bool) else _PHRASE.fullmatch(text)
     if found is None:
         raise DatasheetError(f"{text!r} is not a number with a unit; write 0.15 {example}")
-    number, unit = float(found[1]), found[2].strip()
+    number, unit = float(found[2]), found[3].strip()
     if unit[:1] == "," and unit[1:2].isdigit():
         raise DatasheetError(f"{text!r} has a comma in its number: write a decimal point")
     if not (math.isfinite(number) and number > 0):
@@ -54,7 +56,7 @@ def parse_phrase(phrase: object, example: str = "deg/sqrt(h)") -> Quantity:
     measured = measured_by(unit)
     if measured is None:
         raise DatasheetError(f"the unit {unit!r} is not known; {_understood()}")
-    return Quantity(number, unit, measured)
+    return Quantity(number, unit, measured, bool(found[1]))
 
 
 def units_of(kind: str, symbol: str) -> str:

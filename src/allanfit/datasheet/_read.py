@@ -86,7 +86,7 @@ def read_datasheet(path: str | Path) -> Datasheet:
           velocity random walk: {max: 0.2 m/s/√hr}
 
     A section is `gyro`, `accelerometer` or a channel's name. A line is a number with its unit,
-    typical unless it says `max`; `as` overrides how the words are read, as in
+    typical unless it says `max` or `< 0.05 °/s/√Hz`; `as` overrides how the words are read, as in
     `{typical: 4 mdps/√Hz, as: coefficient}`. What is not about the noise of a sensor at rest, such
     as a bandwidth, is left out, and `left_out` has a sentence for it.
 
@@ -165,7 +165,8 @@ def _left_out(words: str, place: str) -> str:
 
 
 def _lines(section: str, words: str, sense: Sense, stated: Any, place: str) -> Iterator[Line]:
-    given = dict(stated) if isinstance(stated, Mapping) else {"typical": stated}
+    named = isinstance(stated, Mapping)
+    given = dict(stated) if named else {"typical": stated}
     sense = _overridden(sense, given.pop("as", sense.meaning), place)
     unknown = sorted(str(key) for key in set(given) - set(_BOUNDS))
     if unknown and unknown[0][:1].isdigit():
@@ -176,7 +177,8 @@ def _lines(section: str, words: str, sense: Sense, stated: Any, place: str) -> I
         )
     for bound in _BOUNDS:
         if bound in given:
-            yield _line(section, words, sense, bound, given[bound], place)
+            own = bound if named else None
+            yield _line(section, words, sense, own, given[bound], place)
 
 
 def _example(section: str, sense: Sense) -> str:
@@ -196,7 +198,10 @@ def _overridden(sense: Sense, meaning: Any, place: str) -> Sense:
     )
 
 
-def _line(section: str, words: str, sense: Sense, bound: Bound, phrase: Any, place: str) -> Line:
+def _line(
+    section: str, words: str, sense: Sense, bound: Bound | None, phrase: Any, place: str
+) -> Line:
+    """One line; where no bound is named, `< 7 deg/hr` is a largest value."""
     try:
         quantity = parse_phrase(phrase, _example(section, sense))
     except DatasheetError as error:
@@ -214,7 +219,7 @@ def _line(section: str, words: str, sense: Sense, bound: Bound, phrase: Any, pla
         sense.symbol,
         sense.meaning,
         kind,
-        bound,
+        bound or ("max" if quantity.bounded else "typical"),
         quantity.number,
         quantity.unit,
         measured.factor,

@@ -12,6 +12,8 @@ from ._want import checked_want
 
 # The slowest rate at which ten years hold enough samples for a fit; no sensor reaches the other.
 _SLOWEST_HZ, _FASTEST_HZ = 1e-6, 1e6
+# Fourth powers and their ratios must stay numbers, and no unit makes a sensor's coefficient so.
+_SMALLEST, _LARGEST = 1e-40, 1e40
 
 
 @dataclass(frozen=True)
@@ -107,8 +109,9 @@ def plan(
       half that of a 95 % interval.
     - `sampling`: "point" or "averaged", see `allanfit.physics`.
 
-    **Raises:** `ValueError` for a coefficient that is unknown, negative or absent though wanted,
-    a wanted error that is not between 0 and 1, and a rate outside 1e-6 to 1e6 Hz.
+    **Raises:** `ValueError` for a coefficient that is unknown, negative, above zero but outside
+    1e-40 to 1e40, or absent though wanted, a wanted error that is not between 0 and 1, and a rate
+    outside 1e-6 to 1e6 Hz.
 
     >>> plan({"N": 5e-3, "B": 1e-3}, 50.0, {"B": 0.1}).set_by
     'B'
@@ -165,6 +168,11 @@ def _present(coefficients: Mapping[str, float]) -> dict[str, float]:
             raise ValueError(f"Unknown coefficient {symbol!r}; the five are {', '.join(SYMBOLS)}.")
         if not (value >= 0 and math.isfinite(value)):
             raise ValueError(f"Coefficient {symbol} must be zero or more; got {value}.")
+        if value and not _SMALLEST <= value <= _LARGEST:
+            raise ValueError(
+                f"Coefficient {symbol} must be zero, or from {_SMALLEST:g} to {_LARGEST:g}; "
+                f"got {value:g}."
+            )
     present = {s: float(coefficients[s]) for s in SYMBOLS if coefficients.get(s)}
     if not set(present) - {"R"}:
         raise ValueError(

@@ -38,7 +38,9 @@ def _row(line: Mapping[str, Any]) -> SheetRow:
         value, interval, _ = reading(line["measured"], line["interval_95"], "")
         measured = f"{value} {interval}".rstrip()
     else:
-        measured = upper_limit(line["interval_95"][1], "").value
+        # Documents of earlier versions have the interval alone.
+        limit = line.get("upper_limit_95")
+        measured = upper_limit(line["interval_95"][1] if limit is None else limit, "").value
     return SheetRow(
         line["verdict"],
         printable(line["words"]),

@@ -20,7 +20,7 @@
     toImageButtonOptions: { format: "svg" },
   };
 
-  const plotsOf = (group) => group.querySelectorAll(".live");
+  const plotsOf = (group) => [...group.querySelectorAll(".drawn .live")].filter((plot) => plot.data);
 
   // The traces of one legend entry, in every figure of the channel.
   function toggle(group, entry, hide) {
@@ -49,20 +49,31 @@
     }
   }
 
+  async function drawOne(group, plot) {
+    const figure = JSON.parse(plot.querySelector("script").textContent);
+    plot.ranges = { xaxis: figure.layout.xaxis.range, yaxis: figure.layout.yaxis.range.slice() };
+    plot.ranges.xaxis = plot.ranges.xaxis.slice();
+    figure.layout.dragmode = touch ? false : "zoom";
+    // Plotly takes its size from an element that is seen.
+    plot.parentElement.classList.add("drawn");
+    await Plotly.newPlot(plot, figure.data, figure.layout, config);
+    plot.on("plotly_legendclick", (click) => {
+      const trace = plot.data[click.curveNumber];
+      toggle(group, trace.legendgroup, trace.visible !== "legendonly");
+      return false;
+    });
+    plot.on("plotly_legenddoubleclick", () => false);
+    group.classList.add("answers");
+  }
+
   async function draw(group) {
-    for (const plot of plotsOf(group)) {
-      const figure = JSON.parse(plot.querySelector("script").textContent);
-      plot.ranges = { xaxis: figure.layout.xaxis.range, yaxis: figure.layout.yaxis.range.slice() };
-      plot.ranges.xaxis = plot.ranges.xaxis.slice();
-      figure.layout.dragmode = touch ? false : "zoom";
-      group.classList.add("drawn");
-      await Plotly.newPlot(plot, figure.data, figure.layout, config);
-      plot.on("plotly_legendclick", (click) => {
-        const trace = plot.data[click.curveNumber];
-        toggle(group, trace.legendgroup, trace.visible !== "legendonly");
-        return false;
-      });
-      plot.on("plotly_legenddoubleclick", () => false);
+    for (const plot of group.querySelectorAll(".live")) {
+      try {
+        await drawOne(group, plot);
+      } catch (error) {
+        plot.parentElement.classList.remove("drawn");
+        console.error(error);
+      }
     }
   }
 
