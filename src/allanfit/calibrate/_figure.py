@@ -1,8 +1,5 @@
 """Residuals as a figure, in which matplotlib is imported."""
 
-import io
-import re
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -14,7 +11,6 @@ from ._result import Residuals
 _SIZE_INCHES = (7.2, 2.6)
 # Told apart in grey print too, by shape.
 _LOOKS = (("o", "#0072B2"), ("^", "#D55E00"), ("s", "#009E73"))
-_IDENTIFIER = re.compile(r'(\bid="|href="#|url\(#)')
 
 
 def residual_figure(residuals: Residuals) -> Figure:
@@ -48,14 +44,3 @@ def residual_figure(residuals: Residuals) -> Figure:
         if len(groups) > 1:
             axes.legend(loc="upper right", ncols=len(groups))
         return sheet
-
-
-def residual_svg(residuals: Residuals, prefix: str) -> str:
-    """The figure as an SVG element; `prefix` keeps identifiers of one page apart."""
-    undated = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-    stream = io.StringIO()
-    with style():
-        residual_figure(residuals).savefig(stream, format="svg", metadata=undated)
-    element = stream.getvalue()
-    element = element[element.index("<svg") :]
-    return _IDENTIFIER.sub(lambda match: match[0] + prefix, element)

@@ -5,6 +5,7 @@ from importlib.metadata import version
 from typing import Any
 
 from ..report._errors import report_extra
+from ..report._figures import as_svg
 from ..report._files import write_whole
 from ..report._format import significant
 from ..report._template import drawn, render
@@ -41,14 +42,15 @@ def write_calibration_page(found: Calibration, target: str | os.PathLike[str]) -
 
 def _page(found: Calibration) -> str:
     with report_extra():
-        from ._figure import residual_svg
+        from ._figure import residual_figure
     axes = [
         {
             "name": name,
             "rows": axis_rows(axis, found.procedure),
             "per_rate": _per_rate(axis),
             "unit_in_brackets": f" [{typeset(axis.bias.unit)}]" if axis.bias.unit else "",
-            "figure": axis.residuals and drawn(residual_svg(axis.residuals, f"axis-{number}-")),
+            "figure": axis.residuals
+            and drawn(as_svg(residual_figure(axis.residuals), f"axis-{number}-")),
         }
         for number, (name, axis) in enumerate(found.axes.items(), start=1)
     ]
@@ -58,7 +60,7 @@ def _page(found: Calibration) -> str:
         found=found,
         axes=axes,
         misalignment=misalignment_rows(found),
-        figure=found.residuals and drawn(residual_svg(found.residuals, "triad-")),
+        figure=found.residuals and drawn(as_svg(residual_figure(found.residuals), "triad-")),
         residual_help=_RESIDUAL_HELP[found.procedure],
         version=version("allanfit"),
     )

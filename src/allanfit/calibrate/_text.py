@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from ..report._format import printable, significant
+from ..report._format import aligned, printable, significant
 from ..report._notebook import html_table, shown
 from ._result import AxisCalibration, Calibration
 from ._rows import Row, axis_rows, misalignment_rows
@@ -58,7 +58,7 @@ def _table(rows: Sequence[Row]) -> list[str]:
         for row in rows
         for k, each in enumerate(row.readings)
     ]
-    return _aligned(cells)
+    return _indented(cells)
 
 
 def _printed(each: tuple[str, str, str]) -> tuple[str, str, str]:
@@ -76,13 +76,8 @@ def _per_rate(axis: AxisCalibration) -> list[str]:
     for row in axis.per_rate:
         scale = 100 * row["scale_factor"]
         rows.append((significant(row["rate"]), significant(row["bias"]), significant(scale)))
-    return ["  each rate alone:", *_aligned(rows)]
+    return ["  each rate alone:", *_indented(rows)]
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    return [
-        "  "
-        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
+def _indented(rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"  {line}" for line in aligned(rows)]

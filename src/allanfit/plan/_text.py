@@ -1,10 +1,9 @@
 """Plans as a table for a terminal."""
 
 import textwrap
-from collections.abc import Sequence
 
 from ..physics import SYMBOLS
-from ..report._format import duration, printable, significant
+from ..report._format import aligned, duration, printable, significant
 from ..report._notebook import html_table
 from ._file import FilePlan
 from ._plan import Plan, percent
@@ -32,8 +31,8 @@ def plan_text(found: FilePlan) -> str:
         f"{printable(found.file)} at {significant(first.rate_hz)} Hz: "
         "how long to record, at rest and without a gap"
     )
-    lines = [*textwrap.wrap(heading, _WIDTH), "", *_aligned(lengths)]
-    lines += ["", "What that tells of each coefficient:", "", *_aligned(errors), ""]
+    lines = [*textwrap.wrap(heading, _WIDTH), "", *aligned(lengths)]
+    lines += ["", "What that tells of each coefficient:", "", *aligned(errors), ""]
     if len(plans) > 1 and found.duration_s is not None:
         lines += [f"Record {duration(found.duration_s)} for all channels.", ""]
     lines += textwrap.wrap(_LEGEND, _WIDTH)
@@ -62,11 +61,3 @@ def _length(seconds: float | None) -> str:
 def _errors(entry: Plan) -> list[str]:
     known = entry.relative_standard_error
     return [percent(known[symbol]) if symbol in known else "-" for symbol in SYMBOLS]
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]

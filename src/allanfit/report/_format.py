@@ -150,6 +150,15 @@ def duration(seconds: Number) -> str:
     return f"{significant(seconds, 3)} s"
 
 
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of as many cells each as lines whose columns begin below each other."""
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
 def printable(text: str) -> str:
     """A user's string with control characters replaced, so that it cannot steer a terminal."""
     return "".join(

@@ -20,7 +20,8 @@
     toImageButtonOptions: { format: "svg" },
   };
 
-  const plotsOf = (group) => [...group.querySelectorAll(".drawn .live")].filter((plot) => plot.data);
+  const plotsOf = (group) =>
+    [...group.querySelectorAll(".drawn .live")].filter((plot) => plot.data);
 
   // The traces of one legend entry, in every figure of the channel.
   function toggle(group, entry, hide) {
