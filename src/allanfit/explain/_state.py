@@ -146,10 +146,10 @@ class Investigation:
         """What the model expects of each ordinate [u^2]."""
         return _means.ordinate_variance(self.spectrum, self.model, self.data)
 
-    def moment(self, index: float) -> float:
+    def moment(self, index: int | float) -> float:
         """When a value was taken, gaps included, in intervals of the values."""
         if self.at is None:
-            return index
+            return float(index)
         return float(self.at[min(int(index), self.at.size - 1)]) / self.stride
 
     def finding(self, name: str) -> Finding | None:
