@@ -247,3 +247,9 @@ def slow(samples: np.ndarray, codes: float) -> np.ndarray:
 )
 def test_what_repeats_for_another_reason_is_not_frozen(samples):
     assert not frozen(samples).any()
+
+
+def test_values_of_many_sizes_are_read(archive):
+    """Codes of the smallest step would be more than memory holds."""
+    rng = np.random.default_rng(6)
+    load(archive(data=rng.standard_normal(SIZE) * 10.0 ** rng.uniform(-20, 20, SIZE)))

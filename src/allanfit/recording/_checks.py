@@ -273,7 +273,8 @@ def repeated(
     repeats = np.count_nonzero(steps == 0) / values.size
     changes = steps[steps != 0]
     codes = np.round(np.abs(changes[:_ENOUGH]) / width)
-    bin_codes = max(1, int(np.median(codes)) // 2)
+    # Where a few values are far apart beside the others, no bin holds them all.
+    bin_codes = min(max(1, int(np.median(codes)) // 2), _ENOUGH)
     # Both as the share of all steps that falls on one code, either sign.
     scale = changes.size / (codes.size * steps.size * 2 * bin_codes)
     near = np.count_nonzero(codes <= bin_codes) * scale
