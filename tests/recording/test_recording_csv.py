@@ -152,6 +152,18 @@ def test_missing_values_are_not_numbers_and_said(write, noise):
     assert (z.stretches, z.findings) == (((0, 802),), ())
 
 
+@pytest.mark.parametrize("columns", [1, 3])
+def test_a_value_that_a_spreadsheet_lacks_begins_no_comment(columns, write, noise):
+    table = noise[:, :columns]
+    gap = ",".join(["#N/A"] * columns)
+    text = f"{lines(table)}{gap}\n{gap}\n# a note\n{lines(table)}"
+    path = write("spreadsheet.csv", text)
+    assert all(
+        channel.stretches == ((0, 400), (402, 802))
+        for channel in load(path, rate_hz=100.0, unit="deg/s").channels
+    )
+
+
 def test_a_last_line_cut_short_is_missing_values(write, noise):
     recording = load(write("cut.csv", f"{HEADER}\n{lines(noise)}0.5,0"), rate_hz=100.0)
     assert recording.channels[2].stretches == ((0, 400),)

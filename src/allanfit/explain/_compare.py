@@ -14,6 +14,7 @@ from ..curves import unit_scale
 from ..identify import Fit, fit_series
 from ..physics import EFFECTS, SYMBOLS, Sampling
 from ..recording import Channel, Recording, is_recording, load
+from ..recording._load import channel_of
 from ..recording._recording import NoRateError
 from ..recording._units import parse_unit
 from ..simulate import simulate
@@ -108,14 +109,7 @@ def _loaded(path: Path | str, recording: Recording) -> Recording:
 def _in_unit(channel: Channel, recording: Recording) -> Channel:
     """A channel without a unit in that of the recording's."""
     unit = parse_unit(_own_unit(channel.name, recording))
-    return replace(
-        channel,
-        unit=unit.name,
-        factor=unit.factor,
-        si_unit=unit.si_unit,
-        kind=unit.kind,
-        samples=channel.samples * unit.factor,
-    )
+    return channel_of(channel.name, channel.samples, unit, channel.stretches, channel.findings)
 
 
 def _own_unit(name: str, recording: Recording) -> str:

@@ -6,7 +6,15 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import binom
 
-from ..recording._checks import code_width, local_deviation, rails, repeated, usable
+from ..recording._checks import (
+    code_width,
+    fresh_deviation,
+    local_deviation,
+    rails,
+    repeated,
+    usable,
+    wide,
+)
 from ._intervals import runs
 
 # A code this wide beside the local noise adds 0.5 % to its variance, and an engineer should know.
@@ -59,9 +67,9 @@ def sample_format(
     used = usable(values, pieces)
     width = code_width(used)
     sigma = local_deviation(used)
-    whole = sigma or float(np.std(used))
+    whole = sigma or fresh_deviation(used)
     coarse, discrete = (width > part * whole for part in (_COARSE, _DISCRETE))
-    ends = () if width > 0.75 * whole else rails(used, width)
+    ends = () if wide(width, whole) else rails(used, width)
     clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
     return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(used, ends, width))
 

@@ -130,11 +130,12 @@ class Blocks:
         for values, breaks in itertools.chain([self._next], self._rows):
             for channel in self.channels:
                 samples = values[channel.name] * channel.factor
-                if why := why_too_large(samples):
+                finite = np.isfinite(samples)
+                if why := why_too_large(samples if finite.all() else samples[finite]):
                     raise RecordingError(
                         f"{self.name}: channel {channel.name} cannot be analysed: {why}."
                     )
-                finite, still = np.isfinite(samples), looks[channel.name](values[channel.name])
+                still = looks[channel.name](values[channel.name])
                 self._missing[channel.name] += int(np.count_nonzero(~finite))
                 self._frozen[channel.name] += int(np.count_nonzero(still))
                 yield from _runs(channel.name, samples, finite & ~still, breaks)

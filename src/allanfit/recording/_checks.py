@@ -73,10 +73,9 @@ def why_useless(samples: Float64[np.ndarray, " usable"]) -> str:
     return why_counter(samples)
 
 
-def why_too_large(samples: Float64[np.ndarray, " samples"]) -> str:
-    """Why samples are beyond what can be squared; empty if they are not, or not finite."""
-    finite = samples[np.isfinite(samples)]
-    largest = max(-finite.min(), finite.max()) if finite.size else 0.0
+def why_too_large(samples: Float64[np.ndarray, " finite"]) -> str:
+    """Why finite samples are beyond what can be squared; empty if they are not."""
+    largest = max(-samples.min(), samples.max()) if samples.size else 0.0
     if largest <= _LARGEST:
         return ""
     return f"it holds values as large as {largest:.1g}, which no sensor gives"
@@ -92,7 +91,8 @@ def about_samples(
     """Findings on the samples of one channel, given in the user's `unit`; `still` are frozen."""
     values = usable(samples, stretches)
     width = code_width(values)
-    sigma, coarse = local_deviation(values), wide(values, width)
+    sigma = local_deviation(values)
+    coarse = wide(width, sigma or fresh_deviation(values))
     ends = () if coarse else rails(values, width)
     return (
         *_about_lost(samples, still, stretches, values.size, rate_hz),
@@ -135,10 +135,14 @@ def local_deviation(samples: Float64[np.ndarray, " usable"]) -> float:
     return float(np.median((windows - windows[:, :1]).std(axis=1)))
 
 
-def wide(samples: Float64[np.ndarray, " usable"], width: float) -> bool:
+def fresh_deviation(samples: Float64[np.ndarray, " usable"]) -> float:
+    """Standard deviation of the values that are new: of those held longer than a window too."""
+    return float(np.std(_fresh(samples)))
+
+
+def wide(width: float, deviation: float) -> bool:
     """Whether codes of this width are wide beside the noise, so that samples show few of them."""
-    # Values held for longer than a window show no noise in it and need not be coarse for that.
-    return bool(width > 0.75 * (local_deviation(samples) or np.std(_fresh(samples))))
+    return width > 0.75 * deviation
 
 
 def _fresh(samples: Float64[np.ndarray, " usable"]) -> Float64[np.ndarray, " fresh"]:

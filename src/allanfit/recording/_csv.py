@@ -202,6 +202,9 @@ def _tidied(text: bytes, layout: Layout) -> bytes:
         # White space around a field makes it text to the parser.
         mark = re.escape(layout.separator.encode())
         body = re.sub(rb"(?m)(?<! ) +(?=%b|$)|(?<=%b) +|^ +" % (mark, mark), b"", body)
+    if b"#N/A" in body:
+        # At the start of a line it is no comment.
+        body = re.sub(rb"(?m)^#N/A", b"NA", body)
     # The parser knows one sign of a comment alone.
     return re.sub(rb"(?m)^%", b"#", body) if b"%" in body else body
 

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from ._checks import code_width, rails, wide
+from ._checks import code_width, fresh_deviation, local_deviation, rails, wide
 
 # Shorter runs matter little, and a slow reader of a sensor makes them.
 _SHORTEST = 64
@@ -35,7 +35,7 @@ def frozen(values: Float64[np.ndarray, " samples"]) -> Bool[np.ndarray, " sample
     with np.errstate(over="ignore", invalid="ignore"):
         width = code_width(moving)
         # Wide codes repeat themselves for as long as a slow drift takes from one to the next.
-        if width == 0 or wide(moving, width):
+        if width == 0 or _coarse(moving, width):
             return still
     long = repeats >= _SHORTEST
     long &= ~np.isin(values[starts], rails(moving, width))
@@ -72,7 +72,11 @@ class FrozenBlocks:
         else:
             still = frozen(values)
         if not self._known and moving.size and moving.min() < moving.max():
-            self._known, self._moves = True, not wide(moving, code_width(moving))
+            self._known, self._moves = True, not _coarse(moving, code_width(moving))
         if values.size:
             self._last = values[-1]
         return still
+
+
+def _coarse(moving: Float64[np.ndarray, " finite"], width: float) -> bool:
+    return wide(width, local_deviation(moving) or fresh_deviation(moving))
