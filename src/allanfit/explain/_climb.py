@@ -108,9 +108,8 @@ def filter_slopes(
     shaping: str, three: Float[np.ndarray, " three"], nodes: Any, samples: Any
 ) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, "bins three"]]:
     """The gain of a filter on white noise, aliases included, and its derivatives."""
-    gain = _gains(shaping, three[None], nodes, samples)[0]
-    slopes = _gain_slopes(shaping, three[None], nodes, samples)[0]
-    return np.asarray(gain)[0], np.asarray(slopes)[0]
+    slopes, gains = _gain_slopes(shaping, three[None], nodes, samples)
+    return np.asarray(gains[0])[0], np.asarray(slopes[0])[0]
 
 
 def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins terms"]):
@@ -118,32 +117,57 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
 
     `held` are the `held_columns` of the data, which no parameter changes.
     """
-    folded, passed, bump = _shape(theta, kinds, data)
-    angle = folded if kinds.angle_filtered else np.ones_like(folded)
-    gain = np.stack([angle, folded, passed, passed], axis=2)
-    columns = held * gain * bump[..., None]
-    slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
+    gains, _ = _shape(theta, kinds, data, slopes=False)
+    slots = _slots(theta, kinds)
     added = [
         np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples))
         for i, name in enumerate(kinds.added)
     ]
-    return columns, bump, added
+    return _columns(gains, kinds, held), gains[2], added
 
 
-def _shape(theta: Starts, kinds: Kinds, data: Data):
-    """Filter, aliases and all or not, and bump of each start."""
+def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three"]:
+    return theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
+
+
+def _columns(gains, kinds: Kinds, held) -> Float[np.ndarray, "starts bins terms"]:
+    folded, passed, bump = gains
+    angle = folded if kinds.angle_filtered else np.ones_like(folded)
+    gain = np.stack([angle, folded, passed, passed], axis=2)
+    return held * gain * bump[..., None]
+
+
+def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
+    """Filter, aliases and all or not, and bump of each start; their derivatives if asked for."""
     if kinds.shaping is None:
         one = np.ones((len(theta), len(data.bins.nodes)))
-        return one, one, one
+        return (one, one, one), None
     three = theta[:, TERMS : TERMS + EACH]
     # A filter that droops is the same program as one that does not.
-    found = _gains(without_droop(kinds.shaping), three, data.bins.nodes, data.samples)
-    return tuple(np.asarray(each) for each in found)
+    asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
+    # Of whole numbers there is nothing to climb along.
+    if not slopes or kinds.shaping == RUNNING_MEAN:
+        gains = tuple(np.asarray(each) for each in _gains(*asked))
+        return gains, tuple(np.zeros((*each.shape, EACH)) for each in gains)
+    found = _gain_slopes(*asked)
+    derivatives, gains = (tuple(np.asarray(each) for each in some) for some in found)
+    return gains, derivatives
 
 
 def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
     """The expected density for each start, shape (starts, bins), and d ln of it/d theta."""
-    columns, bump, added = parts(theta, kinds, data, held)
+    added_slopes = []
+    if slopes:
+        gains, gain_slopes = _shape(theta, kinds, data, slopes=True)
+        columns, bump, added = _columns(gains, kinds, held), gains[2], []
+        for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
+            found = _density_slopes(name, three, data.bins.nodes, data.samples)
+            slope, density = (np.asarray(each) for each in found)
+            added_slopes.append(slope)
+            added.append(density)
+    else:
+        gain_slopes = None
+        columns, bump, added = parts(theta, kinds, data, held)
     terms = np.asarray(data.terms)
     power = np.where(terms, np.exp(np.clip(theta[:, :TERMS], FLOOR, 60)), 0.0)
     noise = columns * power[:, None]
@@ -152,14 +176,8 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
     if not slopes:
         return total, None
     blocks = [noise]
-    if kinds.shaping is not None:
-        three = theta[:, TERMS : TERMS + EACH]
-        if kinds.shaping == RUNNING_MEAN:
-            # Of whole numbers, nothing to climb along.
-            folded = passed = bumped = np.zeros((*bump.shape, EACH))
-        else:
-            found = _gain_slopes(without_droop(kinds.shaping), three, data.bins.nodes, data.samples)
-            folded, passed, bumped = (np.asarray(each) for each in found)
+    if gain_slopes is not None:
+        folded, passed, bumped = gain_slopes
         strong = held * power[:, None]
         white = strong[..., 1]
         if kinds.angle_filtered:
@@ -167,10 +185,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
         slope = folded * (white * bump)[..., None]
         slope = slope + passed * ((strong[..., 2] + strong[..., 3]) * bump)[..., None]
         blocks.append(slope + bumped * (total / bump)[..., None])
-    slots = theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
-    for i, name in enumerate(kinds.added):
-        slope = _density_slopes(name, slots[:, i], data.bins.nodes, data.samples)
-        blocks.append(np.asarray(slope) * bump[..., None])
+    blocks += [slope * bump[..., None] for slope in added_slopes]
     return total, np.concatenate(blocks, axis=2) / total[..., None]
 
 
@@ -236,7 +251,7 @@ def _density(name, three, nodes, samples):
 
 @partial(jax.jit, static_argnums=0)
 def _density_slopes(name, three, nodes, samples):
-    return jax.vmap(jax.jacfwd(lambda t: added_density(name, t, nodes, samples)))(three)
+    return _slopes_beside(lambda t: added_density(name, t, nodes, samples), three)
 
 
 @partial(jax.jit, static_argnums=0)
@@ -246,4 +261,14 @@ def _gains(name, three, nodes, samples):
 
 @partial(jax.jit, static_argnums=0)
 def _gain_slopes(name, three, nodes, samples):
-    return jax.vmap(jax.jacfwd(lambda t: shaped(name, t, nodes, samples)))(three)
+    return _slopes_beside(lambda t: shaped(name, t, nodes, samples), three)
+
+
+def _slopes_beside(values, three):
+    """Derivatives, and beside them the values, which cost nothing more."""
+
+    def twice(t):
+        found = values(t)
+        return found, found
+
+    return jax.vmap(jax.jacfwd(twice, has_aux=True))(three)

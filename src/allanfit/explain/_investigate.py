@@ -5,6 +5,7 @@ is normal; then lines, courses in time and smooth effects of the spectrum, in ro
 takes one (`_rounds` says which), until nothing is left that is no chance.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,8 +21,10 @@ from ._format import stuck
 from ._intervals import cut_out
 from ._lasting import about_spread, loudness, moved_while_loud
 from ._leakage import take_bump
+from ._lines import line_log_chance
+from ._means import Course
 from ._rounded import about_angle, about_format
-from ._rounds import take_one, take_strong_lines
+from ._rounds import LINE_ALARM, take_one, take_strong_lines
 from ._state import (
     Finding,
     Investigation,
@@ -96,6 +99,8 @@ def investigate(
     _reconsider(state)
     look_again(state)
     _leftover(state)
+    if state.unexplained is not None:
+        _reconsider_lines(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
 
@@ -156,11 +161,31 @@ def _reconsider_courses(state: Investigation) -> None:
     for course in [each for each in state.courses if each.name != "sinusoid"]:
         if len(state.courses) == 1:
             return
-        kept = {name: getattr(state, name) for name in _OF_COURSES}
-        drop_courses(state, [course])
-        if evidence(state, course)[1] <= np.log(state.alarm):
-            for name, value in kept.items():
-                setattr(state, name, value)
+        _drop_unless(state, course, lambda gain, log_p: log_p <= np.log(state.alarm))
+
+
+def _reconsider_lines(state: Investigation) -> None:
+    """Take back sinusoids that stood out of what the spectrum turned out not to be."""
+    for line in state.lines:
+        _drop_unless(
+            state,
+            line,
+            lambda gain, _: (
+                line_log_chance(gain / 2, state.spectrum.longest)
+                <= np.log(LINE_ALARM * state.alarm)
+            ),
+        )
+
+
+def _drop_unless(
+    state: Investigation, course: Course, stands: Callable[[float, float], bool]
+) -> None:
+    """Take a course back, unless what it gains and the log of the chance of that stand."""
+    kept = {name: getattr(state, name) for name in _OF_COURSES}
+    drop_courses(state, [course])
+    if stands(*evidence(state, course)):
+        for name, value in kept.items():
+            setattr(state, name, value)
 
 
 def _leftover(state: Investigation) -> None:

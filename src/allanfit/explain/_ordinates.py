@@ -176,29 +176,30 @@ def binned(
     kept = spectrum.clean(spectrum.frequency)
     if fold is not None:
         kept &= spectrum.fold == fold
-    index = np.clip(np.searchsorted(edges, spectrum.frequency, side="right") - 1, 0, edges.size - 2)
-    count = np.bincount(index[kept], minlength=edges.size - 1)
-    used = count > 0
-    safe = np.maximum(count, 1)
+    whole = bool(kept.all())
+    frequency = spectrum.frequency if whole else spectrum.frequency[kept]
+    # In order of frequency each bin is a run of them; the outermost bins take the rest.
+    starts = np.searchsorted(frequency, edges[:-1])
+    starts[0] = 0
+    count = np.diff(starts, append=frequency.size)
+    starts, count = starts[count > 0], count[count > 0]
 
-    def mean(values: Float[np.ndarray, " ordinates"]) -> Float[np.ndarray, " bins"]:
-        return (np.bincount(index[kept], values[kept], minlength=edges.size - 1) / safe)[used]
+    def mean(values: Float[np.ndarray, "ordinates *columns"]) -> Float[np.ndarray, "bins *columns"]:
+        sums = np.add.reduceat(values if whole else values[kept], starts)
+        return (sums.T / count).T
 
-    low = np.full(edges.size - 1, np.inf)
-    high = np.zeros(edges.size - 1)
-    np.minimum.at(low, index[kept], spectrum.frequency[kept])
-    np.maximum.at(high, index[kept], spectrum.frequency[kept])
     # A bin reaches half a spacing beyond its outermost ordinates.
     half = 1 / (4 * spectrum.longest)
-    low, high = (low - half)[used], np.minimum(high + half, 0.5)[used]
+    low = frequency[starts] - half
+    high = np.minimum(frequency[starts + count - 1] + half, 0.5)
     density = mean(spectrum.amplitude**2)
-    expected = np.stack([mean(column) for column in spectrum.expected.T], axis=1)
+    expected = mean(spectrum.expected)
     padding = -density.size % _PADDING
     nodes = low[:, None] + (high - low)[:, None] * _NODES
     return Bins(
         np.pad(density, (0, padding), constant_values=1.0),
         np.pad(expected, ((0, padding), (0, 0)), constant_values=1.0),
-        np.pad(count[used] / (2 * spectrum.dilution), (0, padding)),
+        np.pad(count / (2 * spectrum.dilution), (0, padding)),
         np.pad(nodes, ((0, padding), (0, 0)), constant_values=0.25),
     )
 

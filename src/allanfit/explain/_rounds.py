@@ -27,8 +27,8 @@ from ._structure import NARROW
 from ._whiten import level
 
 _MOST_LINES = 12
-# Lines are looked for in as many places as there are ordinates, at a chance of their own.
-_LINE_ALARM = 4.0
+# Lines are looked for in as many places as there are ordinates: so many times the alarm is theirs.
+LINE_ALARM = 4.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
 # Options of the scan at full resolution: peaks of few ordinates and of more.
@@ -119,7 +119,7 @@ def _line_options(state: Investigation) -> list[Option]:
     white = whitened_piece(state, piece, ())
     peaks = [
         peak
-        for peak in scan(white, _LINE_ALARM * state.alarm)
+        for peak in scan(white, LINE_ALARM * state.alarm)
         if not any(
             abs(peak.frequency - old.frequency) < 3 * (old.half_width + peak.half_width)
             for old in state.peaks
@@ -143,7 +143,7 @@ def _line_options(state: Investigation) -> list[Option]:
 
     name = _LINE if _sharp(peak, white.size) else _BAND
     # On the scale of the other options' chances, which have an alarm of their own.
-    log_p = peak.log_p - np.log(_LINE_ALARM)
+    log_p = peak.log_p - np.log(LINE_ALARM)
     return [Option(name, log_p, sine.gain, sine.gain, take)]
 
 
@@ -156,7 +156,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     rest = white - basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
     close = max(_CLOSE / samples, 2 * peak.half_width)
     # As loosely as the peak was found: what is left of a broad one may be weaker than it.
-    loose = max(1e-3, _LINE_ALARM * state.alarm)
+    loose = max(1e-3, LINE_ALARM * state.alarm)
     beside = [other for other in scan(rest, loose) if abs(other.frequency - sine.frequency) < close]
     alone = line_log_chance(sine.gain / 2, samples) < np.log(loose)
     # A line that wanders shows one peak after another within its width.
