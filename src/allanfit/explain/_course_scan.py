@@ -1,5 +1,6 @@
 """Where in a record courses are looked for: scans of means over blocks, in the noise as it is."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -100,6 +101,18 @@ class _Scan(NamedTuple):
         projected = self.directions(columns).T @ (self.amplitude / np.sqrt(self.variance))
         return float(np.sum(projected**2))
 
+    def gains(self, waves: Float[np.ndarray, "waves two orders"]) -> Float[np.ndarray, " waves"]:
+        """The same of each cosine and its sine, given as their coefficients for a scale of one."""
+        root = np.sqrt(self.variance)
+        ramp = self.ramp / root
+        ramp /= np.sqrt(ramp @ ramp)
+        beside = waves * self.scale / root
+        beside -= (beside @ ramp)[..., None] * ramp
+        # What is left of the amplitudes at right angles to the ramp matters alone.
+        along = beside @ (self.amplitude / root)
+        gram = beside @ beside.swapaxes(1, 2)
+        return np.sum(along * np.linalg.solve(gram, along[..., None])[..., 0], axis=1)
+
     def directions(
         self, columns: Float[np.ndarray, "blocks columns"]
     ) -> Float[np.ndarray, "orders columns"]:
@@ -125,20 +138,37 @@ def _path(cosines: Float[np.ndarray, " steps"]) -> float:
 
 def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
     periods = np.arange(_FEWEST_PERIODS, min(_MOST_PERIODS, time.size / 8), 0.25)
-    gains = []
-    for cycles in periods:
-        angle = 2 * np.pi * cycles * time / length
-        gains.append(scan.gain(np.column_stack([np.cos(angle), np.sin(angle)])))
+    if periods.size == 0:
+        return []
+    gains = scan.gains(_slow_waves(time.size, float(time[-1] / length), periods.size))
     courses = []
     # Each whole period is a place of its own, and the best lies between them.
     places = 3.0 * float(periods[-1])
-    for at in _tops(np.asarray(gains), 4, 2, places):
+    for at in _tops(gains, 4, 2, places):
         fine = periods[at] + np.linspace(-0.25, 0.25, 9)
-        angles = [2 * np.pi * c * time / length for c in fine]
-        values = [scan.gain(np.column_stack([np.cos(a), np.sin(a)])) for a in angles]
+        values = scan.gains(_waves(fine, time.size, float(time[-1] / length)))
         best_place = float(fine[int(np.argmax(values))]) / length
         courses.append(oscillation(best_place, start, samples)._replace(places=places))
     return courses
+
+
+@lru_cache(maxsize=2)
+def _slow_waves(count: int, end: float, waves: int) -> Float[np.ndarray, "waves two orders"]:
+    """Those that are looked for in every round, in all of one record."""
+    return _waves(_FEWEST_PERIODS + 0.25 * np.arange(waves), count, end)
+
+
+def _waves(
+    periods: Float[np.ndarray, " waves"], count: int, end: float
+) -> Float[np.ndarray, "waves two orders"]:
+    """Cosine coefficients of cosines and sines, so many periods in a stretch.
+
+    The middles of the `count` blocks lie within the part `end` of the stretch.
+    """
+    angle = 2 * np.pi * periods[:, None] * (np.arange(count) + 0.5) / (count - 0.5) * end
+    columns = np.stack([np.cos(angle), np.sin(angle)], axis=1).reshape(-1, count)
+    found = _coefficients(columns.T, 1.0, np.arange(1, max(count // 2, 2)))
+    return np.ascontiguousarray(found.T).reshape(len(periods), 2, -1)
 
 
 def _warm_ups(scan: _Scan, time, length, samples, paths) -> list[Course]:
