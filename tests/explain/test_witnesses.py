@@ -78,6 +78,14 @@ def test_light_tails_of_a_rounded_angle_hide_no_spikes():
     assert normal.fraction < 0.7 * found.fraction
 
 
+def test_spikes_that_are_not_there_may_have_any_size():
+    """Of normal noise their size and share say nothing, and run away in opposite directions."""
+    for seed in (0, 36):
+        with np.errstate(over="raise"):
+            found = contamination(np.random.default_rng(seed).standard_normal(400), 0)
+        assert np.isfinite(found.draws).all()
+
+
 def test_loud_times_are_found_within_a_window(white):
     loud = np.ones(SAMPLES)
     loud[10_000:16_000] = 1.5

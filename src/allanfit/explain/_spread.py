@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.optimize import minimize, minimize_scalar
-from scipy.special import ndtr
+from scipy.special import expit, ndtr
 from scipy.stats import chi2
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
@@ -20,6 +20,8 @@ PULLED_IN = 4.0
 _FLAT = 0.3
 # Shares of spikes, and their size over that of the body, to begin with.
 _SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
+# Logarithm of a size beyond all others.
+_FAR = 300.0
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
 # Samples apart up to which the whitened record may be correlated.
@@ -106,8 +108,7 @@ def contamination(
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
     draws = _draws(lambda x: negative(x, *shape), best.x, seed)
-    fractions = 1 / (1 + np.exp(-draws[:, 0]))
-    found = np.stack([fractions, np.exp(draws[:, 1]), np.exp(draws[:, 2])], axis=1)
+    found = np.array([_free(each) for each in draws])
     value = _free(best.x)
     grid = np.linspace(2, 12, 2001) * value[2]
     usual, spikes = _densities(value, *shape, grid)
@@ -119,8 +120,9 @@ def contamination(
 
 def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]:
     """Fraction, size and width from their logistic or logarithm."""
-    fraction = 1 / (1 + np.exp(-parameters[0]))
-    return float(fraction), float(np.exp(parameters[1])), float(np.exp(parameters[2]))
+    # Where there are no spikes their size may run away, and its square shall still be a number.
+    size, width = np.exp(np.clip(parameters[1:], -_FAR, _FAR))
+    return float(expit(parameters[0])), float(size), float(width)
 
 
 def _densities(
