@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+import scipy.fft
 from jaxtyping import Array, Bool, Float, Int
 from scipy.ndimage import median_filter
 
 from ..curves import mode_variances
 from ..curves._bins import logarithmic_edges
-from ..curves._spectrum import RampProjection, cosine_coefficients
+from ..curves._spectrum import RampProjection
 from ..physics import Sampling
 from ._intervals import runs
 
@@ -127,9 +128,9 @@ def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -
 
 def amplitudes(pieces: tuple[Float[np.ndarray, " _"], ...]) -> Float[np.ndarray, " ordinates"]:
     """Signed amplitudes of the ordinates of anything with a value at each sample."""
+    # On the host: between gaps no two stretches are alike, and each length would be compiled.
     found = [
-        np.asarray(_projection(x.size).project(cosine_coefficients(jnp.asarray(x, float))))
-        for x in pieces
+        _projection(x.size).project(scipy.fft.dct(x - x.mean(), norm="ortho")[1:]) for x in pieces
     ]
     if len(pieces) == 1:
         return 2**0.5 * found[0]
