@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from allanfit.explain._course_scan import sharpened
+from allanfit.explain._course_scan import propose, sharpened
 from allanfit.explain._ordinates import ordinates
+from allanfit.explain._state import begin
 
 
 def test_a_shift_begins_and_ends_where_the_mean_says():
@@ -19,3 +20,21 @@ def test_a_shift_begins_and_ends_where_the_mean_says():
     found = sharpened(roughly, 1024, values, spectrum, np.full(spectrum.frequency.size, 2.0))
     edges = np.flatnonzero(np.diff(found)) + 1
     np.testing.assert_allclose(edges, np.ravel(times), atol=40)
+
+
+def test_a_step_in_a_strong_random_walk_is_proposed_where_it_is():
+    """The walk hides a step but for some 5 samples to either side; A^2/(2 s k) is its evidence."""
+    samples, k, height = 100_000, 0.2, 8.0
+    proposed = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        at = int(rng.uniform(0.1, 0.9) * samples)
+        walk = k * np.cumsum(rng.standard_normal(samples))
+        values = walk + rng.standard_normal(samples) + height * (np.arange(samples) >= at)
+        pieces = ((0, samples),)
+        state = begin(values, pieces, "point", np.array([1e-6, 1.0, 1e-6, k**2]), 0.001)
+        found = propose(samples, pieces, values, state.left, state.model, state.data, {})
+        steps = [course.shape["time"] for course in found if course.name == "step"]
+        proposed.append(min((abs(time - at) for time in steps), default=np.inf))
+    # 160 in twice the logarithm of the likelihood: noise moves none by more than that.
+    assert max(proposed) < 8

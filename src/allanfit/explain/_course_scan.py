@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.fft import dct
+from scipy.fft import dct, dst
 
 from ._chance import course_log_chance
 from ._means import Course, late, ordinate_variance, oscillation, step, warm_up
@@ -15,7 +15,7 @@ from ._structure import Data
 
 # Courses are looked for in means over at most this many blocks of the record.
 _BLOCKS = 4096
-# And where a step is placed exactly.
+# And steps, which are sharp.
 _FINE_BLOCKS = 65536
 _SHORTLIST = 3
 # Log of the chance of a scan's maximum below which a course is fitted at all.
@@ -52,11 +52,13 @@ def propose(
     # How far a scan goes is a matter of the noise that is believed in.
     paths: dict[str, float] = {}
     time = blocks.time
+    fine = _blocks(values[start:stop], _FINE_BLOCKS)
     for variance in (flat, ordinate_variance(spectrum, calm, data)):
         scan = blocks.scan(spectrum, variance)
         found += _oscillations(scan, time, length, start, samples)
         found += _warm_ups(scan, time, length, samples, paths)
-        found += _steps(scan, time.size, blocks.size, start, samples, paths)
+        scan = fine.scan(spectrum, variance)
+        found += _steps(scan, fine.means.size, fine.size, start, samples, paths)
     for name, columns in drivers.items():
         found += _driven(name, columns, samples)
     return found
@@ -183,28 +185,46 @@ def _warm_ups(scan: _Scan, time, length, samples, paths) -> list[Course]:
 
 
 def _steps(scan: _Scan, count, block, start, samples, paths) -> list[Course]:
-    # The cosine coefficients of a step at g blocks are a sine of g: all positions at once.
-    orders, at = scan.orders, np.arange(1, 1024) / 1024
-    sine = np.sin(np.pi * orders[:, None] * at)
+    # The cosine coefficients of a step at g blocks are a sine of g: a sine transform has all
+    # positions at once. Where a random walk is strong, a step is known to a few samples, and a
+    # scan must be as fine.
+    orders, places = scan.orders, 2 ** int(np.ceil(np.log2(count)))
     half = 2 * np.sin(np.pi * orders / (2 * count))
     unit = -np.sqrt(2 / count) * scan.scale / half
     ramp = scan.ramp / scan.variance
-    top = (scan.amplitude * unit / scan.variance) @ sine
-    bottom = (unit**2 / scan.variance) @ sine**2
-    across = (ramp * unit) @ sine
+    top = _sines(scan.amplitude * unit / scan.variance, places)
+    bottom = _products(unit**2 / scan.variance, places, 0)
+    across = _sines(ramp * unit, places)
     norm = ramp @ scan.ramp
     top = top - across * (ramp @ scan.amplitude) / norm
     bottom = np.maximum(bottom - across**2 / norm, 1e-12 * bottom)
     gains = top**2 / bottom
-    beside = (unit**2 / scan.variance) @ (sine[:, 1:] * sine[:, :-1])
+    beside = _products(unit**2 / scan.variance, places, 1)[:-1]
     beside -= across[1:] * across[:-1] / norm
     path = paths.setdefault("step", _path(beside / np.sqrt(bottom[1:] * bottom[:-1])))
     # A step at the very ends is an outlier or a ramp.
-    gains[:4] = gains[-4:] = 0.0
+    ends = -(-places // 256)
+    gains[:ends] = gains[-ends:] = 0.0
     return [
-        step(round(at[i] * count * block) + start, samples)._replace(length=path)
-        for i in _tops(gains, 12, 1, 1.0, path)
+        step(round((i + 1) / places * count * block) + start, samples)._replace(length=path)
+        for i in _tops(gains, places // 85, 1, 1.0, path)
     ]
+
+
+def _sines(of_order: Float[np.ndarray, " orders"], places: int) -> Float[np.ndarray, " inner"]:
+    """Sums over orders k from 1 on of what is given times sin(pi k i/places), 0 < i < places."""
+    return np.asarray(dst(np.pad(of_order, (0, places - 1 - of_order.size)), type=1)) / 2
+
+
+def _products(
+    of_order: Float[np.ndarray, " orders"], places: int, apart: int
+) -> Float[np.ndarray, " inner"]:
+    """The same of products of sines at i and at i + `apart`, none or one."""
+    # sin a sin b = (cos(a - b) - cos(a + b))/2, and a + b goes round twice.
+    orders = np.arange(1, of_order.size + 1)
+    turned = of_order * np.exp(1j * np.pi * orders * apart / places)
+    sums = np.fft.fft(np.pad(turned, (1, places - 1 - orders.size)).conj()).real[1:]
+    return (np.sum(of_order * np.cos(np.pi * orders * apart / places)) - sums) / 2
 
 
 def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: int) -> list[Course]:
@@ -219,12 +239,11 @@ def _tops(
 ) -> list[int]:
     """The highest places that are worth a fit, none within `apart` of a higher one."""
     known = 1e9
-    worth = [course_log_chance(gain, sizes, known, places, path) < _WORTH for gain in gains]
-    left = np.where(worth, gains, 0.0)
+    left = gains.copy()
     tops = []
     for _ in range(_SHORTLIST):
         at = int(np.argmax(left))
-        if left[at] <= 0:
+        if left[at] <= 0 or course_log_chance(left[at], sizes, known, places, path) >= _WORTH:
             break
         tops.append(at)
         left[max(0, at - apart) : at + apart + 1] = 0.0

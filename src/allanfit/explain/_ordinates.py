@@ -130,7 +130,10 @@ def amplitudes(pieces: tuple[Float[np.ndarray, " _"], ...]) -> Float[np.ndarray,
     """Signed amplitudes of the ordinates of anything with a value at each sample."""
     # On the host: between gaps no two stretches are alike, and each length would be compiled.
     found = [
-        _projection(x.size).project(scipy.fft.dct(x - x.mean(), norm="ortho")[1:]) for x in pieces
+        np.asarray(
+            _projection(x.size).project(np.asarray(scipy.fft.dct(x - x.mean(), norm="ortho"))[1:])
+        )
+        for x in pieces
     ]
     if len(pieces) == 1:
         return 2**0.5 * found[0]
