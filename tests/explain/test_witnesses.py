@@ -154,3 +154,36 @@ def test_repeats_are_counted_less_those_of_rounding(code):
     assert abs(np.mean(scores)) < 4 / np.sqrt(40)
     # Of 40 normal ones the deviation is within 0.6 to 1.5 but for chances of 1e-5.
     assert 0.6 < np.std(scores) < 1.5
+
+
+def test_uncorrelated_samples_that_are_not_independent_hide_no_change():
+    """Uniform errors through an all-pass: the mean squares of windows scatter less than white ones.
+
+    Half as much in variance, so that noise that is a little louder for a third of the time shows.
+    """
+    rng, size = np.random.default_rng(7), 100_000
+    kernel = rng.standard_normal(300) * np.exp(-np.arange(300) / 5)
+    phase = np.fft.rfft(kernel, size)
+    louder = 1 + 0.025 * (np.arange(size) % 50_000 < 17_000)
+    chances = []
+    for _ in range(20):
+        errors = rng.uniform(-(3**0.5), 3**0.5, size)
+        white = np.fft.irfft(np.fft.rfft(errors) * phase / np.abs(phase))
+        assert uneven(white)[0] > 1e-3
+        chances.append(uneven(louder * white)[0])
+    assert np.median(chances) < 1e-3
+
+
+def test_where_noise_is_a_little_louder_is_told():
+    """By 6 % in variance, in two stretches: 6.5 standard deviations in all."""
+    rng, size = np.random.default_rng(8), 100_000
+    loud = np.zeros(size, bool)
+    loud[10_000:30_000] = loud[55_000:75_000] = True
+    right, ratios = [], []
+    for seed in range(20):
+        found = modulation(np.where(loud, 1.06**0.5, 1.0) * rng.standard_normal(size), seed)
+        right.append(np.mean(found.loud == loud))
+        ratios.append(found.ratio)
+    assert np.median(right) > 0.85
+    assert np.min(right) > 0.5
+    np.testing.assert_allclose(np.median(ratios), 1.06**0.5, atol=0.01)

@@ -157,11 +157,12 @@ def _modulation_of_n(
         return found, white
     sums = white[: white.size // size * size].reshape(-1, size).sum(axis=1) / np.sqrt(size)
     slow = modulation(sums, seed)
-    if found.p_value <= slow.p_value:
-        return found._replace(p_value=min(2 * found.p_value, 1.0)), white
+    p_value = min(2 * found.p_value, 2 * slow.p_value, 1.0)
+    # The less likely one says when it is loud, unless it cannot.
+    if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -slow.p_value):
+        return found._replace(p_value=p_value), white
     loud = np.repeat(slow.loud, size)
     loud = np.append(loud, np.full(white.size - loud.size, loud[-1]))
-    p_value = min(2 * slow.p_value, 1.0)
     return slow._replace(loud=loud, window=slow.window * size, p_value=p_value), sums
 
 

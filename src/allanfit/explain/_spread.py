@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit, ndtr
-from scipy.stats import chi2
+from scipy.stats import chi2, f
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
 PULLED_IN = 4.0
@@ -24,10 +24,15 @@ _SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
 _FAR = 300.0
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
+# Windows from this length on are compared with neighbouring short ones, unless the sum of squared
+# correlations is more than this.
+_LONG_WINDOW, _UNCORRELATED = 16 * _SHORTEST_WINDOW, 0.01
 # Samples apart up to which the whitened record may be correlated.
 _LAGS = 1024
 # Windows of at most this many are told apart by the hidden Markov model.
 _MOST_WINDOWS = 4096
+# How much louder the loud times may be than the quiet ones, to begin with.
+_EXCESSES = (0.03, 0.1, 0.3, 1.0, 10.0)
 
 
 class Contamination(NamedTuple):
@@ -194,29 +199,41 @@ def local_power(white: Float[np.ndarray, " samples"], window: int) -> Float[np.n
     return np.mean(pulled.reshape(count, window) ** 2, axis=1)
 
 
-def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int]:
+def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     """The chance that windowed variances differ as they do, and the window that says so best.
+
+    Last, the variance of the mean square of so many samples, times their number.
 
     For independent samples the mean squares of W windows of m samples scatter with the variance of
     one square over m, whatever the distribution: their sum of squares is chi-square with W - 1
     degrees of freedom. Windows double in length; Bonferroni over them.
 
     Where whitening left a correlation r_k, as beside the zeros of a filter, squares of normal
-    samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more.
+    samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more. Uncorrelated samples
+    that are not normal, such as rounded angles made white, have squares that are correlated with
+    their neighbours. Long windows are therefore compared with how neighbouring short ones differ.
     """
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
-    one = float(np.var(squares)) * (1 + 2 * _squared_correlation(white))
+    correlation = _squared_correlation(white)
+    one = float(np.var(squares)) * (1 + 2 * correlation)
+    steps = np.diff(local_power(white, _SHORTEST_WINDOW))
+    # Of differences of neighbours, each in two of them, two thirds are degrees of freedom.
+    measured, freedom = float(np.mean(steps**2)) / 2 * _SHORTEST_WINDOW, 2 * steps.size / 3
+    plain = correlation < _UNCORRELATED
     best, at, levels = 1.0, _SHORTEST_WINDOW, 0
     window = _SHORTEST_WINDOW
     while white.size // window >= _FEWEST_WINDOWS:
         power = local_power(white, window)
-        statistic = np.sum((power - power.mean()) ** 2) * window / one
-        chance = float(chi2.sf(statistic, power.size - 1))
+        scatter = float(np.var(power, ddof=1)) * window
+        if window >= _LONG_WINDOW and plain:
+            chance = float(f.sf(scatter / measured, power.size - 1, freedom))
+        else:
+            chance = float(chi2.sf(scatter / one * (power.size - 1), power.size - 1))
         levels += 1
         if chance < best:
             best, at = chance, window
         window *= 2
-    return min(1.0, best * max(levels, 1)), at
+    return min(1.0, best * max(levels, 1)), at, measured if plain else one
 
 
 def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
@@ -230,15 +247,17 @@ def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
 
 def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     """When the noise is loud and when quiet: a hidden Markov model of two variances."""
-    p_value, window = uneven(white)
+    p_value, window, variance = uneven(white)
     window = max(window // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
     power = local_power(white, window)
-    path, quiet, loud = _two_levels(power, window)
+    # So many independent normal samples have as certain a mean square.
+    weight = float(2 * np.mean(power) ** 2 * window / variance)
+    path, quiet, loud = _two_levels(power, weight)
     samples = np.zeros(white.size, bool)
     samples[: path.size * window] = np.repeat(path, window)
     samples[path.size * window :] = path[-1] if path.size else False
     rng = np.random.default_rng(seed)
-    freedom = np.maximum([np.sum(~path) * window, np.sum(path) * window], 2)
+    freedom = np.maximum([np.sum(~path) * weight, np.sum(path) * weight], 2)
     spread = np.sqrt(2 / freedom)
     log_ratio = np.log(loud / quiet) / 2
     draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
@@ -246,21 +265,37 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
 
 
 def _two_levels(
-    power: Float[np.ndarray, " windows"], window: int
+    power: Float[np.ndarray, " windows"], samples: float
 ) -> tuple[Bool[np.ndarray, " windows"], float, float]:
-    """The likeliest path between two variances (Viterbi), and the two, by a few rounds of both."""
-    quiet, loud = np.quantile(power, [0.25, 0.9])
+    """The likeliest path between two variances, and the two; begun from several ratios."""
+    mean = float(power.mean())
+    best = np.zeros(power.size, bool), mean, mean
+    # Leaving a level must be worth some evidence, or noise would chop intervals up; it is asked for
+    # less where that leaves nothing.
+    for price in np.log(power.size) + np.array([2.0, 0.0]):
+        highest = _likelihood(power, mean, samples).sum()
+        for excess in _EXCESSES:
+            # As if a third of the time were loud.
+            quiet = mean / (1 + excess / 3)
+            path, *levels, score = _climbed(power, samples, price, quiet, quiet * (1 + excess))
+            if score > highest:
+                best, highest = (path, levels[0], levels[1]), score
+        if best[0].any():
+            break
+    return best
+
+
+def _climbed(
+    power: Float[np.ndarray, " windows"], samples: float, price: float, quiet: float, loud: float
+) -> tuple[Bool[np.ndarray, " windows"], float, float, float]:
+    """Path and levels by turns (Viterbi), and their log-likelihood less the price of changes."""
     path = np.zeros(power.size, bool)
-    # Leaving a level must be worth some evidence, or noise would chop intervals up.
-    switch = np.log(power.size) + 2.0
     for _ in range(20):
-        levels = np.array([quiet, max(loud, 1.02 * quiet)])
-        # Log-likelihood of a mean square of `window` samples, a Gamma variate.
-        likelihood = -window / 2 * (np.log(levels)[:, None] + power / levels[:, None])
+        likelihood = np.stack([_likelihood(power, level, samples) for level in (quiet, loud)])
         score = likelihood[:, 0]
         came = np.zeros((2, power.size), int)
         for t in range(1, power.size):
-            across = score[::-1] - switch
+            across = score[::-1] - price
             came[:, t] = np.where(across > score, [1, 0], [0, 1])
             score = np.maximum(score, across) + likelihood[:, t]
         found = np.zeros(power.size, int)
@@ -269,9 +304,18 @@ def _two_levels(
             found[t - 1] = came[found[t], t]
         same = np.array_equal(found.astype(bool), path)
         path = found.astype(bool)
-        if same or not path.any() or path.all():
-            break
+        if not path.any() or path.all():
+            return path, quiet, loud, -np.inf
         quiet, loud = float(power[~path].mean()), float(power[path].mean())
-    if not path.any() or path.all():
-        quiet = loud = float(power.mean())
-    return path, quiet, loud
+        if same:
+            break
+    if loud < quiet:
+        path, quiet, loud = ~path, loud, quiet
+    return path, quiet, loud, float(score.max())
+
+
+def _likelihood(
+    power: Float[np.ndarray, " windows"], level: float, samples: float
+) -> Float[np.ndarray, " windows"]:
+    """The log-likelihood of mean squares of so many samples, Gamma variates about a level."""
+    return -samples / 2 * (np.log(level) + power / level)
