@@ -35,7 +35,9 @@ _MOST_STEPS = 8
 # with them.
 _RARE = 0.05
 # And where so many samples have them, they are the noise itself, which has long tails.
-USUAL = 0.2
+USUAL = 0.08
+# Such noise is told from a strong effect that is not normal by this gain over a normal one.
+_LONG_TAILED = 60.0
 # As far as a scan for a step in white noise goes.
 _STEP_PATH = 100.0
 # Samples of the whitening kernel, and nearly the half-width of a uniform distribution.
@@ -118,7 +120,8 @@ def about_spread(state: Investigation, seed: int) -> bool:
         )
         state.gains["variance_modulation"] = of_loud_times(heard, seed)
         rebin(state)
-    if spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma:
+    stands_out = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
+    if stands_out or (spiky.fraction > USUAL and spiky.gain > _LONG_TAILED):
         state.contamination = _in_units(spiky, height)
         state.findings.append(
             Finding(
@@ -131,10 +134,10 @@ def about_spread(state: Investigation, seed: int) -> bool:
         )
         state.gains["outliers"] = of_spikes(even, box, seed)
         clear = np.abs(even) > spiky.threshold
-        if clear.mean() < _RARE:
-            wrong = _excise(state, piece, even, spiky, clear)
-        elif spiky.fraction > USUAL:
+        if spiky.fraction > USUAL:
             wrong = 0.0
+        elif clear.mean() < _RARE:
+            wrong = _excise(state, piece, even, spiky, clear)
         else:
             wrong = float(np.var(even)) - spiky.sigma**2
         state.foreign += wrong / height**2
