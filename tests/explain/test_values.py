@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from allanfit.explain._investigate import investigate
+from allanfit.explain._lasting import _wrong_ends
 from allanfit.explain._ordinates import ordinates
 from allanfit.explain._telegraph import two_levels
 
@@ -33,6 +34,37 @@ def test_long_tails_are_the_noise_itself():
     state = named(np.random.default_rng(5).laplace(size=SAMPLES) / np.sqrt(2))
     assert [finding.name for finding in state.findings] == ["outliers"]
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.02)
+
+
+@pytest.mark.parametrize("freedom", [3, 4, 6, 10])
+def test_long_tails_of_any_length_are_told(freedom):
+    """Student's distributions, whose variance is df/(df - 2); 3 has no fourth moment."""
+    rng = np.random.default_rng(50 + freedom)
+    state = named(rng.standard_t(freedom, SAMPLES) / np.sqrt(freedom / (freedom - 2)))
+    assert [finding.name for finding in state.findings] == ["outliers"]
+    scatter = 0.03 if freedom > 4 else 0.1
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=scatter)
+
+
+@pytest.mark.parametrize(("place", "level"), [(0, 800.0), (0, 30.0), (-1, -500.0)])
+def test_a_wrong_sample_at_either_end_is_left_out(place, level):
+    values = np.random.default_rng(9).standard_normal(SAMPLES)
+    values[place] = level
+    state = named(values)
+    assert [finding.name for finding in state.findings] == ["disturbance"]
+    ((begin, end),) = state.knocks
+    assert begin <= place % SAMPLES < end
+    assert end - begin < 5
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.02)
+
+
+def test_a_right_sample_at_either_end_is_none():
+    """White noise, a strong walk, long tails: none of 300 ends is wrong; by chance 1e-4 or less."""
+    rng = np.random.default_rng(10)
+    for _ in range(50):
+        white = rng.standard_normal(3000)
+        for values in (white, np.cumsum(white), rng.laplace(size=3000)):
+            assert _wrong_ends(values) is None
 
 
 def test_two_levels_are_told_from_a_normal_process():

@@ -18,6 +18,7 @@ from ..recording._load import channel_of
 from ..recording._recording import NoRateError
 from ..recording._units import parse_unit
 from ..simulate import simulate
+from ._mismatch import span
 
 _SIGNIFICANT = 0.005
 # Compared in bands of about an octave.
@@ -227,14 +228,19 @@ def compared(
                 "unit": "Hz",
                 "ratio": ratio,
                 "p_value": chance,
-                "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {ratio:.3g} times "
+                "sentence": f"{span(low, high)} the recording has {ratio:.3g} times "
                 f"the power of the simulation: {cause}.",
                 "cause": "physics" if physics else "coefficient",
                 "coefficient": None if physics else dominant,
+                "absent_from": None
+                if not physics
+                else "simulation"
+                if both is None
+                else "recording",
             }
         )
     entries += [
-        {**entry, "cause": "physics", "coefficient": None}
+        {**entry, "cause": "physics", "coefficient": None, "absent_from": "simulation"}
         for entry in found
         if not any(_meet(each, entry) for each in entries)
         and not any(_alike(each, entry) for each in simulated)
@@ -307,7 +313,7 @@ def _joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
                 high=entry["high"],
                 ratio=ratio,
                 p_value=strongest["p_value"],
-                sentence=f"From {last['low']:.4g} to {entry['high']:.4g} Hz the recording has "
+                sentence=f"{span(last['low'], entry['high'])} the recording has "
                 f"{extreme} to {ratio:.3g} times the power of the simulation: {cause}"
                 if ": " in strongest["sentence"]
                 else strongest["sentence"],

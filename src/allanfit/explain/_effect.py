@@ -24,6 +24,9 @@ _TOLD_APART = {
     "bump": "record with another filter setting, mounting or rate and see what moves",
 }
 
+# What else may follow from a change of temperature.
+_TEMPERED = ("temperature", "sinusoid", "warm_up")
+
 
 # Told apart by identity: draws are arrays, which `==` compares one by one.
 @dataclass(frozen=True, eq=False)
@@ -45,6 +48,8 @@ class Effect:
     in_time: bool = False
     #: What is told of parameters in place of the medians of their draws.
     told: dict[str, float] = field(default_factory=dict)
+    #: Whether the temperature beside the sensor is known.
+    felt: bool = False
 
     def value(self, name: str) -> float:
         """What is told of a parameter, mostly its median."""
@@ -52,4 +57,6 @@ class Effect:
 
     def told_apart(self, rival: str) -> str:
         """What would tell it from a rival."""
+        if self.felt and rival in _TEMPERED:
+            return "change the temperature on purpose, up and down, and record again"
         return _TOLD_APART.get(rival, _TOLD_APART.get(self.name, "a longer recording"))

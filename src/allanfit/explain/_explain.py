@@ -281,7 +281,10 @@ def _explain_channel(
     draws = sample_structure(state.model, state.data, seed, quick=not posterior)
     if draws.likeliest is not None:
         state.model = draws.likeliest
-    effects = tuple(effects_of(state, draws, state.stride * dt, seed))
+    effects = tuple(
+        replace(effect, felt=bool(drivers))
+        for effect in effects_of(state, draws, state.stride * dt, seed)
+    )
     after = fit_after(fit, state, draws, seed)
     moved = state.all_moved
     score = held_out(

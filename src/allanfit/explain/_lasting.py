@@ -45,6 +45,10 @@ _KERNEL = 4096
 _WIDEST = 1.65
 # Samples at the ends of a record in which what leaks there is told.
 _END = 32
+# A sample at either end is compared with so many neighbours, as are others at so many places; up to
+# so many samples are wrong if they are several times as far from them as nearly all others are.
+_NEIGHBOURS, _END_PLACES, _MOST_WRONG = 32, 2000, 4
+_NEARLY_ALL, _FAR_OUT = 0.99, 5.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 
@@ -55,6 +59,10 @@ def about_spread(state: Investigation, seed: int) -> bool:
         # Discrete or held samples are not normal, and their whitened record is not either.
         return False
     piece = state.longest
+    wrong_ends = None if state.knocks else _wrong_ends(state.values[piece[0] : piece[1]])
+    if wrong_ends is not None:
+        _knock(state, piece, wrong_ends, whitened_piece(state, piece), seed)
+        return True
     rough = whitened_piece(state, piece)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _without_ends(whitened_piece(state, piece, notches))
@@ -221,6 +229,32 @@ def moved_while_loud(state: Investigation, seed: int) -> bool:
         return False
     _knock(state, piece, changing, whitened_piece(state, piece), seed)
     return True
+
+
+def _wrong_ends(values: Float[np.ndarray, " samples"]) -> Modulation | None:
+    """The first or the last samples, if they are far from all that follows or precedes.
+
+    Where a logger begins or stops in the middle of a message. What is made white has no such
+    sample: its record is mirrored at the ends.
+    """
+    if values.size < 4 * _NEIGHBOURS:
+        return None
+    loud, heights = np.zeros(values.size, bool), []
+    for x, mine in ((values, loud), (values[::-1], loud[::-1])):
+        near = np.lib.stride_tricks.sliding_window_view(x, 1 + _NEIGHBOURS)
+        near = near[:: max(len(near) // _END_PLACES, 1)]
+        apart = np.abs(near[:, 0] - np.median(near[:, 1:], axis=1))
+        usual = float(np.quantile(apart[1:], _NEARLY_ALL))
+        if usual == 0:
+            return None
+        # A few samples at most, each of which is far from what comes after them all.
+        far = np.abs(x[:_MOST_WRONG] - np.median(x[_MOST_WRONG:_NEIGHBOURS])) > _FAR_OUT * usual
+        mine[: int(np.argmin(np.append(far, False)))] = True
+        heights.append(apart[0] / usual)
+    if not loud.any():
+        return None
+    ratio = float(max(heights))
+    return Modulation(ratio, np.full(1, ratio), loud, 1, 1e-300)
 
 
 def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:

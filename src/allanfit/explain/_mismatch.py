@@ -131,8 +131,17 @@ def _of_band(low: float, high: float, ratio: float, chance: float, what: str) ->
         "unit": "Hz",
         "ratio": ratio,
         "p_value": chance,
-        "sentence": f"From {low:.4g} to {high:.4g} Hz the recording has {what}.",
+        "sentence": f"{span(low, high)} the recording has {what}.",
     }
+
+
+def span(low: float, high: float) -> str:
+    """A band [Hz] at the beginning of a sentence, in as many digits as tell its ends apart."""
+    for digits in range(4, 10):
+        ends = f"{low:.{digits}g}", f"{high:.{digits}g}"
+        if ends[0] != ends[1]:
+            return f"From {ends[0]} to {ends[1]} Hz"
+    return f"At {low:.4g} Hz"
 
 
 def _band(state: Investigation, effect: Effect, dt: float) -> tuple[float, float]:

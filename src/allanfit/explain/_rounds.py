@@ -39,6 +39,9 @@ _DROOP = "droop"
 _STRONG = 2e4
 # Ordinates to either side that no sinusoid fills.
 _SPREAD = 32
+# That the course of a measured cause fits by coincidence is 20 times less likely than that it is
+# the cause, as twice a logarithm.
+_MEASURED = 6.0
 # Ordinates about a line within which nothing else may be.
 _CLOSE = 8
 
@@ -266,6 +269,8 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
             add_course(state, refined, Finding(course.name, log_p, gain, rivals))
 
         worth = course_score(gain, course.sizes, course.places, course.length)
+        if course.name in drivers:
+            worth += _MEASURED
         options.append(Option(course.name, log_p, gain, worth, take))
     return options
 

@@ -59,12 +59,10 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"{told('time_constant')}."
         ),
         "step": lambda: (
-            f"The mean jumps by {told('amplitude')}"
-            + (
-                f" at {effect.lists['times'][0]:.6g} s."
-                if count == 1
-                else f" on average, {count} times, up or down."
-            )
+            f"The mean jumps by {told('amplitude')} at {effect.lists['times'][0]:.6g} s."
+            if count == 1
+            else f"The mean jumps {count} times, up or down, by {told('amplitude').lstrip('-')} on "
+            "average."
         ),
         "outliers": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
@@ -97,8 +95,9 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             "is rectified."
         ),
         "disturbance": lambda: (
-            f"The sensor was moved or knocked in {count} interval{'s' if count != 1 else ''}, "
-            "which are left out of the better model."
+            "The sensor was moved or knocked in "
+            + ("one interval, which is" if count == 1 else f"{count} intervals, which are")
+            + " left out of the better model."
         ),
         "dropped_samples": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples were lost on the way, by "

@@ -119,7 +119,9 @@ def _cause(entry: Mapping[str, Any]) -> str:
     if cause == "coefficient":
         which = entry.get("coefficient")
         return f"{which} of the simulation is off" if which else "a coefficient is off"
-    return "physics absent from the simulation" if cause == "physics" else cause or ""
+    if cause == "physics":
+        return f"physics absent from the {entry.get('absent_from') or 'simulation'}"
+    return cause or ""
 
 
 def effect_rows(channel: Mapping[str, Any]) -> list[Effect]:
