@@ -128,8 +128,10 @@ def about_spread(state: Investigation, seed: int) -> bool:
         )
         state.gains["variance_modulation"] = of_loud_times(heard, seed)
         rebin(state)
-    stands_out = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
-    if stands_out or (spiky.fraction > USUAL and spiky.gain > _LONG_TAILED):
+    spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
+    # A mixture of two shapes of one width has short tails.
+    tails = spiky.fraction > USUAL and spiky.amplitude > spiky.sigma / 2
+    if spikes or (tails and spiky.gain > _LONG_TAILED):
         state.contamination = _in_units(spiky, height)
         state.findings.append(
             Finding(
