@@ -5,7 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from allanfit.curves import design, joint_covariance, statistics
+import allanfit
+from allanfit.curves import design, joint_covariance, statistics, statistics_on_host
 from allanfit.physics import standard_model
 
 SAMPLES = 2048
@@ -86,3 +87,23 @@ def test_stretches_pool_their_sums():
     expected = sum(sums) / sum(length - 2 * n + 1 for length in lengths)
     np.testing.assert_allclose(found.allan[np.flatnonzero(sizes == n)[0]], expected, rtol=1e-9)
     assert int(np.sum(layout.ordinates)) == 1000 - 2 * 2
+
+
+def test_many_stretches_leave_the_same_behind_without_being_compiled():
+    """On the host as by JAX: a random walk, with a stretch too short for most sizes."""
+    rng = np.random.default_rng(12)
+    lengths = (1000, 16, 4001, 2500, 37)
+    stretches = tuple(np.cumsum(rng.standard_normal(length)) + 5 for length in lengths)
+    layout = design(lengths)
+    known = statistics(tuple(map(jnp.asarray, stretches)), layout)
+    for one, other in zip(statistics_on_host(stretches, layout), known, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
+
+
+def test_a_record_with_gaps_gives_its_coefficients():
+    """N of white noise in nine stretches, no two alike; 1.5 per cent are 4 deviations."""
+    rng = np.random.default_rng(13)
+    edges = np.cumsum([0, *rng.integers(2000, 9000, 9)])
+    stretches = tuple(zip(edges[:-1].tolist(), (edges[1:] - 7).tolist(), strict=True))
+    found = allanfit.fit(rng.standard_normal(edges[-1]), 1.0, stretches=stretches)
+    assert found.coefficients["N"] == pytest.approx(1, rel=0.015)

@@ -24,3 +24,4 @@ from ._spectrum import cosine_coefficients as cosine_coefficients
 from ._spectrum import slow_part as slow_part
 from ._statistics import Statistics as Statistics
 from ._statistics import statistics as statistics
+from ._statistics import statistics_on_host as statistics_on_host

@@ -152,9 +152,9 @@ class _Exact:
     def _with_rest(self) -> tuple[Float[np.ndarray, " sizes"], Float[np.ndarray, " sizes"]]:
         """Sums and positions with those of the samples that do not fill a piece."""
         rest = np.concatenate([np.zeros(0), *self._blocks])
-        last = _Level(1, self.sizes)
-        last.add(np.cumsum(rest), 1)
-        return self._sums + last.sums / (2.0 * self.sizes**2), self._positions + last.counts
+        positions = np.maximum(rest.size - 2 * self.sizes + 1, 0)
+        sums = squared_differences(rest, self.sizes) / (2.0 * self.sizes**2)
+        return self._sums + sums, self._positions + positions
 
     def _sums_of(self, x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " sizes"]:
         # In float32 the sums would be carried in pairs, which is slower and less exact.
@@ -195,6 +195,18 @@ class _Level:
     def value(self) -> Float[np.ndarray, " sizes"]:
         with np.errstate(invalid="ignore"):
             return self.sums / self.counts / (2.0 * self.sizes.astype(float) ** 2)
+
+
+def squared_differences(
+    x: Float[np.ndarray, " samples"], sizes: Int[np.ndarray, " sizes"]
+) -> Float[np.ndarray, " sizes"]:
+    """Sums of squared differences of adjacent sums of n samples, over all positions, on the host.
+
+    Zero for sizes beyond half of the samples.
+    """
+    every = _Level(1, sizes)
+    every.add(np.cumsum(x), 1)
+    return every.sums
 
 
 def _strides(sizes: Int[np.ndarray, " sizes"]) -> Int[np.ndarray, " sizes"]:

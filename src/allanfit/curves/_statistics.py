@@ -5,11 +5,13 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy.fft
 from jaxtyping import Array, Float
 
 from ._allan import overlapping_sums
 from ._cluster_sizes import cluster_sizes
 from ._design import RAMP_MODES, Design
+from ._long import squared_differences
 from ._spectrum import cosine_coefficients
 
 
@@ -49,3 +51,24 @@ def statistics(stretches: tuple[Float[Array, " _"], ...], design: Design) -> Sta
         allan / jnp.asarray(design.differences, allan.dtype),
         jnp.stack(odd_modes),
     )
+
+
+def statistics_on_host(
+    stretches: tuple[Float[np.ndarray, " _"], ...], design: Design
+) -> Statistics:
+    """As `statistics`, in float64 and without compiling anything for the length of a stretch.
+
+    A record with hundreds of gaps has hundreds of lengths.
+    """
+    sizes = np.asarray(design.cluster_sizes)
+    density, allan, odd_modes = np.zeros(len(design.ordinates)), np.zeros(len(sizes)), []
+    for x, index, project in zip(stretches, design.bin_index, design.projection, strict=True):
+        centred = np.asarray(x, float) - np.mean(x, dtype=float)
+        coefficients = np.asarray(scipy.fft.dct(centred, norm="ortho"))[1:]
+        ordinates = 2 * np.asarray(project(coefficients))
+        density += np.bincount(np.asarray(index), ordinates, minlength=len(density))
+        odd = coefficients[: 2 * RAMP_MODES : 2]
+        odd_modes.append(np.pad(odd, (0, RAMP_MODES - len(odd))))
+        allan += squared_differences(centred, sizes) / (2.0 * sizes**2)
+    found = density / design.ordinates, allan / design.differences, np.stack(odd_modes)
+    return Statistics(*map(jnp.asarray, found))

@@ -7,9 +7,11 @@ samples are those of the least-squares solution: a posterior's width is held fix
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
 from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
-from ..curves import Design, Statistics, statistics, unit_scale
+from ..curves import Design, Statistics, statistics, statistics_on_host, unit_scale
 from ._ensemble import ensemble
 from ._goodness import goodness_of_fit, score
 from ._least_squares import LeastSquares, least_squares
@@ -22,6 +24,8 @@ RESOLVED_DEVIANCE = 3.84
 # A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
 RESOLVED_RAMP_P = 0.005
 
+# Stretches of so many lengths are worth a program of their own.
+_MOST_COMPILED = 4
 # More bins than 30 million samples make.
 _BINS_AT_A_TIME = 112
 _WALKERS = 32
@@ -103,9 +107,14 @@ def estimate(
     """Identify one sensor from the stretches of its record, sampled every `dt` seconds.
 
     In two steps, compiled apart: the first depends on the lengths of the stretches, the second
-    only on about how many bins they make.
+    only on about how many bins they make. Of many stretches the first is taken on the host.
     """
-    return estimate_from(_reduce(stretches, design), design, dt, key)
+    if len(stretches) > _MOST_COMPILED and not any(isinstance(x, Tracer) for x in stretches):
+        found = statistics_on_host(tuple(map(np.asarray, stretches)), design)
+        found = jax.tree.map(lambda leaf: leaf.astype(stretches[0].dtype), found)
+    else:
+        found = _reduce(stretches, design)
+    return estimate_from(found, design, dt, key)
 
 
 def estimate_from(
