@@ -78,6 +78,10 @@ BAD = {
     "a unit that is a list": ("N: 1\nunit: [deg, s]\n", "is not known|unit"),
     "an effect of no name": ("N: 1\neffects: [{amplitude: 1}]\n", "needs its name"),
     "an unknown effect": ("N: 1\neffects: [{name: gremlins}]\n", "gremlins"),
+    "an effect of a long name": (
+        f"N: 1\neffects: [{{name: {3000 * 'x'}}}]\n",
+        "[^ ]{10,60} is not known",
+    ),
     "effects that are a number": ("N: 1\neffects: 5\n", "needs its name"),
     "an effect of NaN": (
         "N: 1\neffects: [{name: sinusoid, amplitude: .nan, frequency: 1}]\n", "amplitude"

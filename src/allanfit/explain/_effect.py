@@ -57,6 +57,9 @@ class Effect:
 
     def told_apart(self, rival: str) -> str:
         """What would tell it from a rival."""
+        if {self.name, rival} == {"gauss_markov", "random_telegraph"}:
+            # They share a spectrum.
+            return _TOLD_APART["random_telegraph"]
         if self.felt and rival in _TEMPERED:
             return "change the temperature on purpose, up and down, and record again"
         return _TOLD_APART.get(rival, _TOLD_APART.get(self.name, "a longer recording"))

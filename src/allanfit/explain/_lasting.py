@@ -150,7 +150,8 @@ def about_spread(state: Investigation, seed: int) -> bool:
             wrong = _excise(state, piece, even, spiky, clear)
         else:
             wrong = float(np.var(even)) - spiky.sigma**2
-        state.foreign += wrong / height**2
+        # Less than nothing where samples were replaced, but no less than a filter leaves.
+        state.foreign += max(wrong / height**2, -float(np.min(mean)) / 4)
     if loud or state.contamination is not None:
         refit(state)
     return False

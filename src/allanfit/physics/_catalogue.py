@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import reprlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -90,13 +91,15 @@ def effect_from(name: str, parameters: Mapping[str, Any]) -> AbstractEffect:
     """
     effect = EFFECTS.get(name)
     if effect is None:
-        raise ValueError(f"effect {name!r} is not known; known are {', '.join(EFFECTS)}")
+        raise ValueError(
+            f"effect {reprlib.repr(name)} is not known; known are {', '.join(EFFECTS)}"
+        )
     fields = {field_of(parameter): parameter for parameter in effect.parameters}
     known = {parameter.name for parameter in effect.parameters}
     unknown = sorted(set(parameters) - known)
     if unknown:
         raise ValueError(
-            f"{name} has no parameter {unknown[0]!r}; it has {', '.join(sorted(known))}"
+            f"{name} has no parameter {reprlib.repr(unknown[0])}; it has {', '.join(sorted(known))}"
         )
     values = {}
     for field in dataclasses.fields(effect):
