@@ -69,6 +69,15 @@ def test_telegraph_noise_has_the_state_of_its_autocovariance(write_explained, ma
     assert part.F[0, 0] == pytest.approx(-0.25)
 
 
+def test_uneven_telegraph_noise_has_the_sum_of_its_two_rates(write_explained, make_channel):
+    """Held 12.8 s at one level and 3.2 s at the other."""
+    values = {"amplitude": (0.02, "deg/s"), "dwell_time": (8.0, "s"), "upper_share": (0.8, "")}
+    written = write_explained(make_channel("gx"), effects={"random_telegraph": values})
+    part = realise(read_fit(written).channels[0]).parts[-1]
+    assert part.states[0].initial_variance == pytest.approx(0.02**2 * 0.8 * 0.2)
+    assert part.F[0, 0] == pytest.approx(-(1 / 12.8 + 1 / 3.2))
+
+
 @pytest.mark.parametrize("name", [name for name in FORMATS if name not in ("kalman", "yaml")])
 def test_a_format_says_which_effects_it_cannot_hold(write_explained, make_channel, name):
     exported = export(write_explained(make_channel("gx")), name)

@@ -39,7 +39,7 @@ CONTRACT = {
         "windowed",
     ],
     "power_law": ["exponent", "density"],
-    "random_telegraph": ["amplitude", "dwell_time"],
+    "random_telegraph": ["amplitude", "dwell_time", "upper_share"],
     "temperature": ["sensitivity", "time_scale"],
     "warm_up": ["amplitude", "time_constant"],
     "step": ["amplitude", "times", "heights"],
@@ -76,6 +76,7 @@ NOISES = {
     "drifting_line": made(DriftingLine, 0.7, 13.0, 1.5),
     "folded drifting_line": made(DriftingLine, 0.7, 97.0, 2.0),
     "random_telegraph": made(RandomTelegraph, 0.7, 0.08),
+    "uneven random_telegraph": made(RandomTelegraph, 0.7, 0.08, 0.2),
 }
 each_noise = pytest.mark.parametrize("noise", NOISES.values(), ids=NOISES)
 FILTERS = {
@@ -121,7 +122,10 @@ def continuous(noise, time):
     if isinstance(noise, GaussMarkov):
         return float(noise.sigma) ** 2 * np.exp(-time / float(noise.correlation_time))
     if isinstance(noise, RandomTelegraph):
-        return float(noise.amplitude) ** 2 / 4 * np.exp(-2 * time / float(noise.dwell_time))
+        share = 0.5 if noise.upper_share is None else float(noise.upper_share)
+        dwells = 2 * float(noise.dwell_time) * np.array([share, 1 - share])
+        spread = float(noise.amplitude) ** 2 * share * (1 - share)
+        return spread * np.exp(-time * np.sum(1 / dwells))
     omega, zeta = 2 * np.pi * float(noise.frequency), 0.5 / float(noise.quality_factor)
     turning = omega * np.sqrt(1 - zeta**2)
     wave = np.cos(turning * time) + zeta * omega * time * np.sinc(turning * time / np.pi)

@@ -64,6 +64,7 @@ NOISES = {
     "power_law, 2.5": (made(PowerLaw, 2.5, 0.3), ()),
     "drifting_line": (made(DriftingLine, 0.7, 13.0, 1.5), (13.0, 1.0)),
     "random_telegraph": (made(RandomTelegraph, 0.7, 0.08), ()),
+    "uneven random_telegraph": (made(RandomTelegraph, 0.7, 0.08, 0.2), ()),
 }
 AVERAGED = ("gauss_markov", "resonance", "power_law, 1.5", "random_telegraph")
 
@@ -96,6 +97,18 @@ def test_draws_have_the_density(name, sampling):
     # The levels of telegraph noise have one square, and no error.
     slack = expected * (0.02 if "power_law" in name else 1e-9)
     assert np.all(np.abs(found.mean(axis=0) - expected) < 4.5 * error + slack)
+
+
+def test_uneven_levels_are_held_as_long_as_they_say():
+    """80,000 samples of a level held 1.6 s and one held .4 s: 400 visits, |z| < 4.5."""
+    noise, samples = made(RandomTelegraph, 1.0, 1.0, 0.8), 80_000
+    upper = np.asarray(noise.sample(KEY, samples, DT, "point")) > 0
+    visits = np.count_nonzero(np.diff(upper.astype(int)) == 1)
+    count = samples * DT / 2.0
+    assert abs(visits - count) < 4.5 * np.sqrt(count)
+    # A dwell is exponential, and as uncertain as the number of visits makes it.
+    for held, dwell in ((upper.sum(), 1.6), ((~upper).sum(), 0.4)):
+        assert held * DT / visits == pytest.approx(dwell, rel=4.5 / np.sqrt(count))
 
 
 def periodogram_bins(records):

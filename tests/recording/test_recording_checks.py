@@ -100,7 +100,7 @@ def test_held_samples_are_found_among_coarse_codes(archive):
 def test_a_code_width_as_large_as_the_noise(width, archive):
     (finding,) = findings(rounded(white(), width), archive)
     assert finding.startswith(f"The code width, {width:.3g} deg/s, is ")
-    assert finding.endswith("repeat the one before: rounding hides part of the noise.")
+    assert finding.endswith("before: rounding changes N, and `allanfit explain` tells by how much.")
 
 
 def test_a_code_met_once_in_a_thousand_samples(archive):

@@ -29,6 +29,7 @@ def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
     best = np.where(terms, np.exp(state.model.theta[:4]), 0.0)
     power = draws.power.copy()
     _unclip(state, power, best)
+    _unround(state, power, best, seed)
     ramps, chance = _ramps(state, draws, seed)
     rises = np.array(
         [rise_without(k, state.model, state.data) if terms[k] else 0.0 for k in range(4)]
@@ -111,3 +112,18 @@ def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best)
     factor = np.array([sigma**2 / variance, sigma**2 / variance, gain**-2, gain**-2])
     power *= factor
     best *= factor
+
+
+def _unround(
+    state: Investigation, power: Float[np.ndarray, "draws terms"], best, seed: int
+) -> None:
+    """Undo what coarse codes hide, and let N be as uncertain as that is.
+
+    What they add was in the model.
+    """
+    added, deviation, logged = state.rounding
+    if added < 0:
+        for each in (power, best):
+            each[..., :2] *= (logged - added) / logged
+    scatter = deviation * np.random.default_rng(seed).standard_normal(len(power))
+    power[:, 1] = np.maximum(power[:, 1] + scatter, 0.0)

@@ -9,6 +9,7 @@ from ..physics import LowPass
 from . import _means
 from ._effect import Effect
 from ._intervals import runs
+from ._lasting import USUAL
 from ._line_parts import merged
 from ._ordinates import ordinates, points
 from ._posterior import Draws
@@ -41,6 +42,8 @@ _CUT = (
 )
 # So many wandering biases switch between two levels, before any look at the levels.
 _TELEGRAPH = 0.15
+# Levels are held for different times if their shares differ by so many standard deviations.
+_UNEVEN = 3.0
 _MOST_TELEGRAPH = 0.96
 
 
@@ -57,8 +60,16 @@ def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) 
     found += _courses(state, dt, rng)
     if draws is not None:
         found += _structural(state, draws, dt, seed)
+    if any(effect.name == "random_telegraph" for effect in found):
+        # Fast switches between levels that are far apart are long tails too.
+        found = [each for each in found if each.name != "outliers" or not _usual(each)]
     named = [effect for effect in found if not _disowned(state, effect, dt)]
     return merged(named) + [_unknown(unknown, dt) for unknown in state.unknown]
+
+
+def _usual(effect: Effect) -> bool:
+    """Whether spikes are what the noise is like."""
+    return effect.value("fraction") > USUAL
 
 
 def _disowned(state: Investigation, effect: Effect, dt: float) -> bool:
@@ -217,12 +228,13 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
     plain = Effect(
         "gauss_markov", own, dict(others), {"sigma": size, "correlation_time": time * dt}, {}, band
     )
-    kurtosis, chance = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+    levels = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+    chance = levels.chance
     state.witness(
         "two levels",
-        kurtosis,
+        levels.gain,
         chance,
-        "The kurtosis of the process, filtered out of the other noise.",
+        "Two levels against one normal distribution, on the process filtered out of other noise.",
     )
     # A chance p is worth at most 1/(-e p ln p) in odds (Sellke et al. 2001, Am. Stat. 55:62).
     worth = 1 / (-np.e * chance * np.log(chance)) if chance < 1 / np.e else 1.0
@@ -230,7 +242,15 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
     telegraph = min(odds / (1 + odds), _MOST_TELEGRAPH) * own
     if telegraph > own / 2:
         rest = {**others, "gauss_markov": own - telegraph}
-        values = {"amplitude": 2 * size, "dwell_time": 2 * time * dt}
+        # The share of a record that is spent at one level scatters about that in the long run.
+        variance = levels.upper * (1 - levels.upper) * 2 * constant / state.values.size
+        share = levels.upper + np.sqrt(variance) * np.random.default_rng(seed).normal(size=2000)
+        share = np.resize(np.clip(share, 0.01, 0.99), size.size)
+        uneven = abs(levels.upper - 0.5) > _UNEVEN * np.sqrt(variance)
+        spread = share * (1 - share) if uneven else 0.25
+        values = {"amplitude": size / np.sqrt(spread), "dwell_time": time * dt / (2 * spread)}
+        if uneven:
+            values["upper_share"] = share
         return [Effect("random_telegraph", telegraph, rest, values, {}, band)]
     rest = {**others, "random_telegraph": telegraph}
     return [replace(plain, probability=own - telegraph, alternatives=rest)]

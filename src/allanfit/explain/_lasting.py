@@ -147,11 +147,11 @@ def about_spread(state: Investigation, seed: int) -> bool:
         if spiky.fraction > USUAL:
             wrong = 0.0
         elif clear.mean() < _RARE:
-            wrong = _excise(state, piece, even, spiky, clear)
+            _excise(state, piece, clear, mean, seed)
+            wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
         else:
             wrong = float(np.var(even)) - spiky.sigma**2
-        # Less than nothing where samples were replaced, but no less than a filter leaves.
-        state.foreign += max(wrong / height**2, -float(np.min(mean)) / 4)
+        state.foreign += max(wrong, 0.0) / height**2
     if loud or state.contamination is not None:
         refit(state)
     return False
@@ -329,7 +329,8 @@ def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modul
     bins = binned(spectrum, bin_edges(spectrum.longest))
     data = state.data._replace(bins=bins, samples=float(spectrum.longest), foreign=0.0, repeat=1.0)
     alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
-    return float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1]))
+    # Behind a filter five terms know no N, and loud times add nothing to nothing.
+    return max(float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1])), 0.0)
 
 
 def _uniform_part(state: Investigation, mean: Float[np.ndarray, " ordinates"]) -> float:
@@ -360,29 +361,28 @@ def _in_units(found: Contamination, height: float) -> Contamination:
 def _excise(
     state: Investigation,
     piece: tuple[int, int],
-    white: Float[np.ndarray, " samples"],
-    spiky: Contamination,
     clear: Bool[np.ndarray, " samples"],
-) -> float:
-    """Put neighbours' means in place of clear spikes, for the analysis alone.
+    mean: Float[np.ndarray, " ordinates"],
+    seed: int,
+) -> None:
+    """Put neighbours' means with noise of their own in place of spikes, for the analysis alone.
 
-    Returns the variance, in the whitened record, of white noise that this leaves wrong: faint
-    spikes that stay, less the noise of the samples replaced.
+    Without that noise the spectrum would lack what was replaced. It is as strong as what all other
+    samples leave open about one: the harmonic mean of the spectrum, which of white noise is all of
+    it, and behind a filter nearly nothing.
     """
+    noise = np.sqrt(1 / np.mean(2 / mean)) * np.random.default_rng(seed).normal(size=clear.sum())
     values = state.values.copy()
     inside = values[piece[0] : piece[1]]
     good = np.flatnonzero(~clear)
-    for at in np.flatnonzero(clear):
+    for at, own in zip(np.flatnonzero(clear), noise, strict=True):
         place = int(np.searchsorted(good, at))
         near = good[max(place - 4, 0) : place + 4]
-        inside[at] = inside[near].mean()
+        inside[at] = inside[near].mean() + own
     state.values = values
     parts = tuple(values[start:stop] for start, stop in state.pieces)
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
     rebin(state)
-    share = float(clear.mean())
-    faint = float(np.mean(white[~clear] ** 2)) - spiky.sigma**2
-    return (1 - share) * faint - share * spiky.sigma**2
 
 
 def loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:

@@ -5,6 +5,7 @@ import numpy as np
 from ..recording._checks import usable
 from . import _search
 from ._climb import log_scatter
+from ._codes import UNROUNDED, Rounding, rounding
 from ._held_out_values import of_codes, of_rails
 from ._state import Finding, Investigation, rebin, refit
 
@@ -30,7 +31,9 @@ def about_format(state: Investigation) -> None:
         state.name_once(Finding("saturation", -1e3, 0.0))
         state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
     # Rounding is white noise behind any filter, however little.
-    state.rounding = made.width**2 / 12
+    state.rounding = Rounding(made.width**2 / 12, 0.0, 0.0)
+    if made.discrete and made.repeat is None:
+        state.rounding = rounding(usable(state.values, state.pieces), made.width, made.sigma)
     about_angle(state)
     refit(state)
 
@@ -40,10 +43,10 @@ def about_angle(state: Investigation) -> bool:
 
     If so the structure has to be fitted again.
     """
-    state.rate_rounded = 1.0 if state.rounding == 0 else _rate_is_rounded(state)
+    state.rate_rounded = 1.0 if state.rounding.added == 0 else _rate_is_rounded(state)
     if state.rate_rounded >= 0.5:
         return False
-    state.rounding = 0.0
+    state.rounding = UNROUNDED
     state.findings = [each for each in state.findings if each.name != "output_rounding"]
     state.gains.pop("output_rounding", None)
     return True

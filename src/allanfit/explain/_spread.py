@@ -107,6 +107,10 @@ def contamination(
     for light, spread, (fraction, spike) in itertools.product(boxes, (False, True), _SPIKES):
         start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
         found = minimize(negative, start, (spread, light), "Nelder-Mead", options={"maxiter": 600})
+        _, height, core = _free(found.x)
+        if spread and height < core:
+            # No spikes, but all of the values under another distribution.
+            continue
         # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
         if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
             best, shape = found, (spread, light)

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 from ..physics import Sampling
 from . import _means, _search
 from ._chance import course_log_chance
+from ._codes import UNROUNDED, Rounding
 from ._format import Format, sample_format
 from ._held_out_values import Gain
 from ._lines import Peak
@@ -84,7 +85,7 @@ class Investigation:
     #: alone, and of codes.
     foreign: float = 0.0
     loud_variance: float = 0.0
-    rounding: float = 0.0
+    rounding: Rounding = UNROUNDED
     #: The probability that codes are those of the rate, and not of an angle.
     rate_rounded: float = 1.0
     witnesses: list[dict[str, Any]] = field(default_factory=list)
@@ -202,7 +203,9 @@ def refit(state: Investigation) -> None:
     many = bins.used & (np.asarray(bins.shape) > _MANY)
     lowest = float(np.min(bins.density[many])) if many.any() else 0.0
     most = max(0.999 * white, 0.9 * lowest)
-    state.data = state.data._replace(foreign=min(2 * (state.foreign + state.rounding), most))
+    state.data = state.data._replace(
+        foreign=min(2 * (state.foreign + max(state.rounding.added, 0.0)), most)
+    )
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
     state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)

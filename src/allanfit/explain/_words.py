@@ -26,7 +26,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "random_telegraph": lambda: (
             f"The output switches between two levels {told('amplitude')} apart and stays at each "
-            f"for {told('dwell_time')} on average."
+            f"for {told('dwell_time')} on average{_unequal(shown)}."
         ),
         "sinusoid": lambda: (
             f"A sinusoid of amplitude {told('amplitude')} at {shown['frequency']['value']:.6g} Hz."
@@ -122,6 +122,14 @@ def _held(shown: Parameters) -> float:
     """
     repeat = float(shown["repeat"]["value"])
     return float(np.sqrt(repeat if "regular" in shown else 2 * repeat - 1))
+
+
+def _unequal(shown: Parameters) -> str:
+    """How long each level is held, if not alike."""
+    if "upper_share" not in shown:
+        return ""
+    share, dwell = (float(shown[name]["value"]) for name in ("upper_share", "dwell_time"))
+    return f": {2 * share * dwell:.3g} s at the upper, {2 * (1 - share) * dwell:.3g} s at the lower"
 
 
 def _height(shown: Parameters) -> float:

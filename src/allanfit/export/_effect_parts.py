@@ -89,7 +89,9 @@ def _gauss_markov(name: str, unit: str, values: Mapping[str, float]) -> tuple[Pa
 
 
 def _telegraph(name: str, unit: str, values: Mapping[str, float]) -> tuple[Part, str]:
-    variance, time_s = values["amplitude"] ** 2 / 4, values["dwell_time"] / 2
+    share = values.get("upper_share", 0.5)
+    spread = share * (1 - share)
+    variance, time_s = values["amplitude"] ** 2 * spread, values["dwell_time"] * 2 * spread
     part = gauss_markov("random_telegraph", name, unit, time_s, variance)
     return part, "a Gauss-Markov state of the same autocovariance; its two levels are not in it"
 

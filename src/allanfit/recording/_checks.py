@@ -315,10 +315,11 @@ def _about_width(
     values: Float64[np.ndarray, " usable"], width: float, sigma: float, unit: str
 ) -> tuple[str, ...]:
     repeats = np.count_nonzero(np.diff(values) == 0) / values.size
-    size = "larger than the noise"
+    size, then = "larger than the noise", "rounding hides part of the noise"
     if sigma:
         size = f"as large as the noise (standard deviation {quantity(sigma, unit)})"
+        then = "rounding changes N, and `allanfit explain` tells by how much"
     return (
         f"The code width, {quantity(width, unit)}, is {size}, and {percent(repeats)} of the "
-        "samples repeat the one before: rounding hides part of the noise.",
+        f"samples repeat the one before: {then}.",
     )
