@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..physics import LowPass
-from . import _means
 from ._effect import Effect
 from ._intervals import runs
 from ._lasting import USUAL
 from ._line_parts import merged
-from ._ordinates import ordinates, points
 from ._posterior import Draws
 from ._state import Finding, Investigation
 from ._structure import (
@@ -21,11 +19,10 @@ from ._structure import (
     NARROW,
     TERMS,
     UNNAMED,
-    added_density,
     shape_of,
     sieve,
 )
-from ._telegraph import two_levels
+from ._switches import levels_of
 from ._unknown import Unknown
 
 # A slow oscillation of such a period is more likely a room's temperature than anything else.
@@ -213,22 +210,12 @@ def _finite(kind: LowPass) -> str:
 
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:
     """A Gauss-Markov process, or a telegraph that looks like one."""
-    three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
-    # Of one stretch: the ordinates of several are no series.
-    spectrum = ordinates((state.calm[start:stop],), state.sampling)
     constant = float(np.median(time))
-    total = _means.ordinate_variance(spectrum, state.model, state.data)
-    frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
-    thinned = np.geomspace(frequency[0], frequency[-1], 600)
-    found = added_density("gauss_markov", three, points(thinned), state.data.samples)
-    shape = np.asarray(found)
-    signal = np.minimum(np.interp(frequency, thinned, shape), total)
-    corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
     band = (0.15 / (2 * np.pi * constant * dt), min(3 / (2 * np.pi * constant * dt), 0.5 / dt))
     plain = Effect(
         "gauss_markov", own, dict(others), {"sigma": size, "correlation_time": time * dt}, {}, band
     )
-    levels = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+    levels = levels_of(state, begin, constant, seed)
     chance = levels.chance
     state.witness(
         "two levels",

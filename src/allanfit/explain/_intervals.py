@@ -33,3 +33,13 @@ def cut_out(
         if stop - at >= 64:
             left.append((at, stop))
     return tuple(left)
+
+
+def joined(
+    pieces: tuple[tuple[int, int], ...], intervals: list[tuple[int, int]]
+) -> tuple[tuple[int, int], ...]:
+    """The stretches and some intervals together, one where they touch."""
+    flags = np.zeros(max(stop for _, stop in (*pieces, *intervals)), bool)
+    for start, stop in (*pieces, *intervals):
+        flags[start:stop] = True
+    return tuple(runs(flags))

@@ -18,7 +18,7 @@ from . import _search
 from ._chance import log_chance
 from ._clock import fresh_values
 from ._format import stuck
-from ._intervals import cut_out
+from ._intervals import cut_out, joined
 from ._lasting import about_spread, loudness, moved_while_loud
 from ._leakage import take_bump
 from ._lines import line_log_chance
@@ -31,9 +31,11 @@ from ._state import (
     begin,
     drop_courses,
     evidence,
+    finer_edges,
     refit,
     resize,
 )
+from ._switches import switches_only
 from ._unknown import look_again
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
@@ -94,6 +96,10 @@ def investigate(
     if moved_while_loud(state, seed):
         state = _without_knocks(state, power, seed)
         _take_all(state, drivers)
+    whole = _with_switches(state, power, seed)
+    if whole is not None:
+        state = whole
+        _take_all(state, drivers)
     if about_angle(state):
         refit(state)
     _reconsider(state)
@@ -113,6 +119,28 @@ def _without_knocks(
     take_strong_lines(later)
     about_spread(later, seed)
     return later
+
+
+def _with_switches(
+    state: Investigation, power: Float[np.ndarray, " terms"], seed: int
+) -> Investigation | None:
+    """The investigation with all switches of a telegraph left in, if they were cut or taken out."""
+    stepped = any(course.name == "step" for course in state.courses)
+    if "gauss_markov" not in state.model.kinds.added or not (state.knocks or stepped):
+        return None
+    pieces = joined(state.pieces, state.knocks)
+    whole = _begin_again(state, pieces, power)
+    whole.knocks = []
+    whole.findings = [each for each in whole.findings if each.name != "disturbance"]
+    whole.gains.pop("disturbance", None)
+    names = state.model.kinds.names
+    whole.findings += [each for each in state.findings if each.name in names]
+    whole.peaks, whole.model = state.peaks, state.model
+    finer_edges(whole)
+    if not switches_only(state, whole, seed):
+        return None
+    whole.switching = True
+    return whole
 
 
 def _begin_again(

@@ -257,6 +257,8 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
     for course in proposals:
         if any(course.name == old.name and course.shape == old.shape for old in state.courses):
             continue
+        if state.switching and course.name == "step":
+            continue
         gain, log_p = evidence(state, course)
 
         def take(

@@ -104,6 +104,8 @@ class Investigation:
     wandering: set[int] = field(default_factory=set)
     #: When a line was stronger than at other times, as `[start, stop)`, if it was.
     line_times: list[tuple[int, int]] = field(default_factory=list)
+    #: Whether it switches between two levels, so that no step and no loud time is one of its own.
+    switching: bool = False
     #: Samples of the log for each of `values`, and which of the log's they are if not all.
     stride: float = 1.0
     at: Int[np.ndarray, " samples"] | None = None

@@ -9,7 +9,7 @@ seen the same way.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.fft import idct
 
 _SURROGATES = 199
@@ -35,6 +35,8 @@ class Levels(NamedTuple):
     chance: float
     #: Share of the samples on the upper level.
     upper: float
+    #: Which level it is on at moments that divide the stretch evenly.
+    high: Bool[np.ndarray, " moments"]
 
 
 def two_levels(
@@ -52,28 +54,38 @@ def two_levels(
     """
     count = min(amplitude.size, max(_CORNERS * corner, 64))
     weight = (signal / total)[:count]
-    gain, upper = _mixture(weight * amplitude[:count])
+    series = _series(weight * amplitude[:count])
+    gain, upper, middle = _mixture(series)
     rng = np.random.default_rng(seed)
     spread = np.sqrt(total[:count])
     null = np.array(
-        [_mixture(weight * spread * rng.standard_normal(count))[0] for _ in range(_SURROGATES)]
+        [
+            _mixture(_series(weight * spread * rng.standard_normal(count)))[0]
+            for _ in range(_SURROGATES)
+        ]
     )
     beyond = float(np.mean(null >= gain))
     if beyond == 0:
         # A gain has an exponential tail, if of a size that the memory of the process sets.
         beyond = float(np.exp(-min(gain / null.mean(), _SURE)))
         beyond = min(1 / _SURROGATES, beyond)
-    return Levels(gain, beyond, upper)
+    return Levels(gain, beyond, upper, series > middle)
 
 
-def _mixture(coefficients: Float[np.ndarray, " modes"]) -> tuple[float, float]:
-    """Two normal distributions of one width against one: the gain, and the share of the upper.
-
-    By expectation and maximization on a histogram, from several starts at once.
-    """
+def _series(coefficients: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " moments"]:
+    """Of a standard deviation of one."""
     # Neither a mean nor the order that only says how a ramp ends.
     series = np.asarray(idct(np.concatenate([[0.0, 0.0], coefficients]), norm="ortho"))
-    counts = np.bincount(np.searchsorted(_EDGES, series / series.std()), minlength=_VALUES.size)
+    return series / series.std()
+
+
+def _mixture(series: Float[np.ndarray, " moments"]) -> tuple[float, float, float]:
+    """Two normal distributions of one width against one.
+
+    The gain, the share of the upper, and the middle between the two, by expectation and
+    maximization on a histogram, from several starts at once.
+    """
+    counts = np.bincount(np.searchsorted(_EDGES, series), minlength=_VALUES.size)
     often = counts / counts.sum()
     mean = often @ _VALUES
     variance = often @ (_VALUES - mean) ** 2
@@ -97,7 +109,8 @@ def _mixture(coefficients: Float[np.ndarray, " modes"]) -> tuple[float, float]:
     best = np.log(total) @ often
     one = np.log(np.maximum(_normal(_VALUES, mean, np.sqrt(variance)), 1e-300)) @ often
     index = int(np.argmax(best))
-    return float(2 * (best[index] - one)), float(upper[index])
+    middle = float(low[index] + high[index]) / 2
+    return float(2 * (best[index] - one)), float(upper[index]), middle
 
 
 def _normal(at, middle, width):
