@@ -47,7 +47,7 @@ CONTRACT = {
     "output_rounding": ["lsb"],
     "sample_hold": ["repeat", "regular"],
     "dropped_samples": ["fraction"],
-    "saturation": ["limit"],
+    "saturation": ["limit", "low", "high"],
     "variance_modulation": ["ratio", "intervals"],
     "vibration_rectification": ["coefficient"],
     "disturbance": ["intervals"],
@@ -158,7 +158,11 @@ def test_an_effect_from_its_name():
     [
         ("gremlin", {}, "effect 'gremlin' is not known; known are gauss_markov"),
         ("warm_up", {"amplitude": 1}, "warm_up lacks its parameter 'time_constant'"),
-        ("saturation", {"limit": 1, "sign": 1}, "saturation has no parameter 'sign'; it has limit"),
+        (
+            "saturation",
+            {"limit": 1, "sign": 1},
+            "saturation has no parameter 'sign'; it has high, limit, low",
+        ),
         ("saturation", {"limit": "much"}, "limit of saturation must be a number; got 'much'"),
         ("saturation", {"limit": float("nan")}, "limit of saturation must be a number; got nan"),
         ("sinusoid", {"amplitude": [1, 2], "frequency": 1}, "amplitude of sinusoid must be a num"),

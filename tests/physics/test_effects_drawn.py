@@ -330,6 +330,14 @@ def test_rounding_and_saturation():
     np.testing.assert_array_equal(rounded, [-1.0, -0.5, 0.0, 0.5])
     clipped = made(Saturation, 0.5).apply(KEY, samples, DT, "point")
     np.testing.assert_array_equal(clipped, [-0.5, -0.26, 0.1, 0.5])
+    # At one end only, and at two that are not alike.
+    for ends, expected in (
+        ({"low": 0.0}, [0.0, 0.0, 0.1, 0.6]),
+        ({"high": -0.1}, [-0.9, -0.26, -0.1, -0.1]),
+        ({"low": -0.3, "high": 0.5}, [-0.3, -0.26, 0.1, 0.5]),
+    ):
+        effect = effect_from("saturation", {"limit": 0.0, **ends})
+        np.testing.assert_allclose(effect.apply(KEY, samples, DT, "point"), expected)
 
 
 def test_dropped_samples_close_up():

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..physics import LowPass
+from ..recording._checks import usable
 from ._effect import Effect
 from ._intervals import runs
 from ._lasting import USUAL
@@ -334,8 +335,13 @@ def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect
 
 
 def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    limit = float(np.max(np.abs(state.format.rails)))
-    return [Effect("saturation", _SURE, {}, {"limit": np.full(2, limit)})]
+    rails = state.format.rails
+    told = {"limit": float(np.max(np.abs(rails)))}
+    # Not as far below zero as above it: each by itself.
+    if len(rails) == 1 or abs(sum(rails)) > state.format.width + 1e-6 * told["limit"]:
+        middle = float(np.median(usable(state.values, state.pieces)))
+        told |= {"low" if rail < middle else "high": rail for rail in rails}
+    return [Effect("saturation", _SURE, {}, {name: np.full(2, at) for name, at in told.items()})]
 
 
 def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

@@ -84,7 +84,10 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"samples meets, N is {_held(shown):.3g} times as large."
         ),
         "saturation": lambda: (
-            f"The output is clipped at {told('limit')}, which hides part of the noise."
+            "The output is clipped at "
+            + " and at ".join(told(each) for each in ("low", "high") if each in shown)
+            + (f"{told('limit')} to either side" if not {"low", "high"} & set(shown) else "")
+            + ", which hides part of the noise."
         ),
         "variance_modulation": lambda: (
             f"The noise is {told('ratio')} times as strong in {count} "

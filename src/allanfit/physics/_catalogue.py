@@ -60,11 +60,12 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 _AXES = {"times": 1, "heights": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
 _FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass"}
-_SIGNED = {"amplitude", "height", "sensitivity", "coefficient", "droop"}
+_SIGNED = {"amplitude", "height", "sensitivity", "coefficient", "droop", "low", "high"}
 # Of the others, those that have bounds other than zero.
 _RANGES = {
     "sigma": (0.0, math.inf),
     "density": (0.0, math.inf),
+    "limit": (0.0, math.inf),
     "fraction": (0.0, 0.99),
     "upper_share": (0.01, 0.99),
     "repeat": (1.0, math.inf),
@@ -74,6 +75,7 @@ _RANGES = {
 _RANGE_WORDS = {
     "sigma": "zero or more",
     "density": "zero or more",
+    "limit": "zero or more",
     "fraction": "between 0 and 0.99",
     "upper_share": "between 0.01 and 0.99",
     "repeat": "1 or more",
