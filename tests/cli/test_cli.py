@@ -162,6 +162,16 @@ def test_the_largest_seed_simulates_every_channel_and_a_larger_one_is_told(tmp_p
     assert "4294967295" in capsys.readouterr().err
 
 
+def test_simulate_says_what_has_no_name_and_is_not_drawn(tmp_path, capsys):
+    source, output = tmp_path / "c.yaml", tmp_path / "sim.npz"
+    bump = "{{name: bump, parameters: {{height: {}, frequency: 12.5, width: 0.1}}}}"
+    arguments = ["simulate", str(source), "--duration", "10", "--rate", "50", "--seed", "1"]
+    for height, told in ((0, True), (1.5, False)):
+        source.write_text(f"unit: deg/s\nN: 1e-2\neffects: [{bump.format(height)}]\n")
+        assert main([*arguments, "--output", str(output)]) == 0
+        assert ("12.5 Hz has no name" in capsys.readouterr().err) == told
+
+
 def test_simulate_from_a_fit_keeps_channels_and_units(recording, tmp_path):
     target, output = tmp_path / "fit.json", tmp_path / "sim.npz"
     assert main(["fit", str(recording), "--no-posterior", "--json", str(target)]) == 0

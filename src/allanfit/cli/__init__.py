@@ -52,7 +52,7 @@ from ._options import (
     check_targets,
     refuse_other_pages,
 )
-from ._sheet import tell_left_out
+from ._unused import tell_left_out, tell_undrawn
 
 app = typer.Typer(
     name="allanfit",
@@ -209,6 +209,7 @@ def simulate(
             bias=entry.bias,
             effects=entry.effects,
         )
+        tell_undrawn(entry)
         columns[entry.channel] = np.asarray(samples)
         units[entry.channel] = entry.unit
     save(output, columns, units, rate)

@@ -26,7 +26,7 @@ from ._options import (
     check_targets,
     refuse_other_pages,
 )
-from ._sheet import tell_left_out
+from ._unused import tell_left_out
 
 calibrate_app = typer.Typer(
     help="Bias, scale factor and misalignment, with intervals.", no_args_is_help=True

@@ -23,7 +23,7 @@ from ._options import (
     refuse_other_pages,
 )
 from ._progress import channel_by_channel, load_with_progress
-from ._sheet import tell_left_out
+from ._unused import tell_left_out
 
 
 def explain(
