@@ -38,6 +38,7 @@ _CUT = (
     "noise is missing below {:.3g} Hz, as behind a high-pass filter of order {:.2g}: alternating-"
     "current coupling, or a mean that is estimated and taken off all the time"
 )
+_FOLDED = ", half the rate, where a sinusoid shows only in part: its amplitude is as large at least"
 # So many wandering biases switch between two levels, before any look at the levels.
 _TELEGRAPH = 0.15
 # Levels are held for different times if their shares differ by so many standard deviations.
@@ -287,15 +288,17 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
 
 
 def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:
-    amplitude = np.hypot(sizes[:, 0], sizes[:, 1])
+    amplitude = np.sqrt(np.sum(sizes**2, axis=1))
     spread = course.shape.get("deviation", 0.0)
-    frequency = (course.shape["frequency"] + spread * rng.standard_normal(2000)) / dt
+    drawn = course.shape["frequency"] + spread * rng.standard_normal(2000)
+    frequency = np.minimum(drawn, 0.5) / dt
+    note = _FOLDED if sizes.shape[1] == 1 else ""
     middle = float(np.median(frequency))
     band = (0.97 * middle, 1.03 * middle)
     if middle * _ROOM_PERIOD_S < 1 and not any(key == "temperature" for key in others):
         return _slow_swing("sinusoid", own, others, frequency)
     values = {"amplitude": amplitude, "frequency": frequency}
-    return Effect("sinusoid", min(own, _LINE), others, values, {}, band)
+    return Effect("sinusoid", min(own, _LINE), others, values, {}, band, note)
 
 
 def _slow_swing(name: str, own: float, others: dict[str, float], frequency) -> Effect:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import gamma
+from scipy.stats import gamma, norm
 
 # A band may be as broad as this part of its frequency; broader, bins see it as well.
 _BROAD = 0.04
@@ -45,7 +45,8 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     # Twice the length: a line between two ordinates would lose up to 60 % of its power.
     fine = np.abs(np.fft.rfft(white, 2 * samples)) ** 2 / samples
     fine[: 2 * _SLOWEST] = 0.0
-    fine[-2:] = 0.0
+    # Half the sampling rate has one phase: as exponential as the others with the same chance.
+    fine[-1] = -np.log(2) - norm.logsf(np.sqrt(fine[-1]))
     power = fine[::2].copy()
     peaks: list[Peak] = []
     taken = np.zeros(fine.size, bool)
@@ -99,6 +100,13 @@ def _log_tail(power: float, width: int) -> float:
     return float(bound) if bound < -500 else float(gamma.logsf(power, width))
 
 
+# Cycles over a record, from half the sampling rate, at which a sinusoid and its image overlap, and
+# what another frequency than that half has to gain.
+_HALF, _TWICE = 2, 6.0
+# Its frequency is no better known then [cycles a record].
+_ROUGH = 0.1
+
+
 class Sine(NamedTuple):
     """A sinusoid by least squares."""
 
@@ -113,6 +121,7 @@ def refine(white: Float[np.ndarray, " samples"], peak: Peak, level: float) -> Si
 
     `level` is the one-sided density of the record there, for a sampling interval of one [u^2].
     The deviation is the Cramer-Rao bound (Rife and Boorstyn 1974, IEEE Trans. IT 20:591).
+    Exactly half the sampling rate is the frequency of what only alternates.
     """
     samples = white.size
     time = np.arange(samples) - (samples - 1) / 2
@@ -128,9 +137,32 @@ def refine(white: Float[np.ndarray, " samples"], peak: Peak, level: float) -> Si
         away, step, reach = float(at[int(np.argmax(height))]), step / 3, 4
     frequency = peak.frequency + away
     gain = 2 * np.abs(white @ np.exp(-2j * np.pi * frequency * time)) ** 2 / samples
+    folded = frequency > 0.5 - _HALF / samples
+    if folded:
+        frequency, gain = _about_half(white)
     amplitude = float(np.sqrt(2 * gain / samples * level / 2))
-    return Sine(
-        frequency,
-        float(np.sqrt(12 * level / (amplitude**2 * samples**3)) / (2 * np.pi)),
-        float(gain),
-    )
+    deviation = float(np.sqrt(12 * level / (amplitude**2 * samples**3)) / (2 * np.pi))
+    return Sine(frequency, max(deviation, _ROUGH / samples * folded), float(gain))
+
+
+def _about_half(white: Float[np.ndarray, " samples"]) -> tuple[float, float]:
+    """Frequency and gain of a sinusoid that turns hardly once against half the sampling rate.
+
+    There a sinusoid and its image are one, and which part of it shows depends on its phase.
+    """
+    samples = white.size
+    turned = white * (1 - 2 * (np.arange(samples) % 2))
+    starts = np.arange(0, samples, max(1, samples // _SUMS))
+    counts = np.diff(starts, append=samples)
+    middle = np.add.reduceat(np.arange(samples) + 0.5, starts) / counts
+    root = np.sqrt(counts)
+    sums = np.add.reduceat(turned, starts) / root
+    alone = float(sums @ root) ** 2 / samples
+    best, frequency = alone + _TWICE, 0.5
+    for away in np.arange(1, 16 * _HALF) / (16 * samples):
+        angle = 2 * np.pi * away * middle
+        columns = np.linalg.qr(np.column_stack([np.cos(angle), np.sin(angle)]) * root[:, None])[0]
+        gain = float(np.sum((columns.T @ sums) ** 2))
+        if gain > best:
+            best, frequency = gain, 0.5 - away
+    return frequency, alone if frequency == 0.5 else best

@@ -141,8 +141,10 @@ def knowledge(
 
 
 def oscillation(frequency: float, start: int, samples: int) -> Course:
-    """Cosine and sine at a frequency [cycles per sample]."""
+    """Cosine and sine at a frequency [cycles per sample]; half a cycle has no sine."""
     angle = 2 * np.pi * frequency * (np.arange(samples) - start)
+    if frequency == 0.5:
+        return Course("sinusoid", np.cos(angle)[:, None], {"frequency": frequency})
     return Course(
         "sinusoid", np.column_stack([np.cos(angle), np.sin(angle)]), {"frequency": frequency}
     )

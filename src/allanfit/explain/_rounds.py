@@ -166,7 +166,8 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     same = [
         course for course in state.lines if abs(course.shape["frequency"] - sine.frequency) < close
     ]
-    if len(same) == 1 and "nearer" not in same[0].shape and _nearer(state, same[0], white):
+    again = len(same) == 1 and same[0].sizes == 2 and "nearer" not in same[0].shape
+    if again and _nearer(state, same[0], white):
         return
     if alone and not beside and not same:
         course = _means.oscillation(sine.frequency, state.longest[0], state.values.size)

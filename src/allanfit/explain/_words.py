@@ -29,7 +29,8 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"for {told('dwell_time')} on average{_unequal(shown)}."
         ),
         "sinusoid": lambda: (
-            f"A sinusoid of amplitude {told('amplitude')} at {shown['frequency']['value']:.6g} Hz."
+            f"A sinusoid of amplitude {told('amplitude')} at {shown['frequency']['value']:.6g} Hz"
+            f"{effect.note}."
         ),
         "drifting_line": lambda: (
             f"A line of amplitude {told('amplitude')} whose frequency wanders by "
