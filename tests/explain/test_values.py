@@ -29,6 +29,22 @@ def test_differences_of_a_rounded_angle_are_quantization(seed):
     assert quantization == pytest.approx(12**-0.5, rel=0.04)
 
 
+@pytest.mark.parametrize("angle", [True, False])
+def test_held_samples_hold_their_rounding(angle):
+    """Each repeats the one before with a chance of .3; Q tells whose codes they are."""
+    rng = np.random.default_rng(9)
+    white = rng.standard_normal(SAMPLES)
+    rounded = np.diff(np.round(np.cumsum(white)), prepend=0.0) if angle else np.round(white)
+    fresh = np.where(rng.random(SAMPLES) < 0.7, np.arange(SAMPLES), 0)
+    state = named(rounded[np.maximum.accumulate(fresh)])
+    names = ["sample_hold"] if angle else ["sample_hold", "output_rounding"]
+    assert [finding.name for finding in state.findings] == names
+    # Rounding of the values is in N still; that of the angle is Q.
+    quantization, white = np.exp(state.model.theta[:2] / 2)
+    assert white == pytest.approx(1 if angle else (1 + 1 / 12) ** 0.5, rel=0.03)
+    assert quantization**2 == pytest.approx(1 / 12 if angle else 0, abs=0.03)
+
+
 def test_long_tails_are_the_noise_itself():
     """Laplace: N is that of all samples, though a mixture of two would have half of them spikes."""
     state = named(np.random.default_rng(5).laplace(size=SAMPLES) / np.sqrt(2))

@@ -119,9 +119,13 @@ def _unround(
 ) -> None:
     """Undo what coarse codes hide, and let N be as uncertain as that is.
 
-    What they add was in the model.
+    What they add was in the model, unless the samples were held.
     """
     added, deviation, logged = state.rounding
+    if state.format.repeat is not None:
+        for each in (power, best):
+            each[..., 1] = np.maximum(each[..., 1] - added, 0.0)
+        return
     if added < 0:
         for each in (power, best):
             each[..., :2] *= (logged - added) / logged

@@ -61,7 +61,7 @@ def _rate_is_rounded(state: Investigation) -> float:
     latter, and zero as likely.
     """
     width, model = state.format.width, state.model
-    if width < _FINE * state.format.sigma or state.format.repeat is not None:
+    if width < _FINE * state.format.sigma:
         return 1.0
     _, covariance = log_scatter(model.theta, model.kinds, state.data)
     # Rounding an angle that moves by less than a code between samples is not quite white, and its

@@ -205,9 +205,10 @@ def refit(state: Investigation) -> None:
     many = bins.used & (np.asarray(bins.shape) > _MANY)
     lowest = float(np.min(bins.density[many])) if many.any() else 0.0
     most = max(0.999 * white, 0.9 * lowest)
-    state.data = state.data._replace(
-        foreign=min(2 * (state.foreign + max(state.rounding.added, 0.0)), most)
-    )
+    # Held samples hold their rounding too, as they do N: it is taken off N at the end.
+    held = state.format.repeat is not None
+    rounded = 0.0 if held else max(state.rounding.added, 0.0)
+    state.data = state.data._replace(foreign=min(2 * (state.foreign + rounded), most))
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
     state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
