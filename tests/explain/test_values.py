@@ -152,3 +152,13 @@ def test_noise_that_changes_below_quantization_is_heard():
     assert changing is not None
     assert changing.ratio == pytest.approx(1.25, rel=0.1)
     assert np.mean(changing.loud == loud) > 0.93
+
+
+def test_noise_that_a_rail_cuts_at_times_is_as_strong_throughout():
+    """The mean wanders by a standard deviation, and with it the share of samples at zero."""
+    rng = np.random.default_rng(12)
+    slow = np.sin(2 * np.pi * 3 * np.arange(SAMPLES) / SAMPLES)
+    state = named(np.maximum(1.5 + 0.7 * slow + rng.standard_normal(SAMPLES), 0))
+    names = {finding.name for finding in state.findings}
+    assert "saturation" in names
+    assert "variance_modulation" not in names

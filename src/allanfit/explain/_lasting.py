@@ -74,6 +74,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         "Windowed variances of the whitened record, compared.",
     )
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
+    loud = loud and not _cut_while_quiet(state, piece, changing)
     if loud and not state.knocks:
         share = changing.loud.mean()
         if share < _KNOCK_SHARE and _steps_instead(state, piece, changing):
@@ -155,6 +156,15 @@ def about_spread(state: Investigation, seed: int) -> bool:
     if loud or state.contamination is not None:
         refit(state)
     return False
+
+
+def _cut_while_quiet(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
+    """Whether more samples stand at the rails in quiet times: these are quiet since they are cut.
+
+    Noise that is stronger at times reaches its rails more often then.
+    """
+    cut = np.isin(state.values[piece[0] : piece[1]], state.format.rails)
+    return bool(np.mean(cut[~changing.loud]) > np.mean(cut[changing.loud]))
 
 
 def _modulation_of_n(
