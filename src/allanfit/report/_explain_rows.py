@@ -12,6 +12,8 @@ from ._rows import Row, coefficient_rows
 
 _LISTED = 6  # times or intervals that are told one by one
 _NO_LARGER_STEP = 2.0  # a change beyond it is told as a factor
+# A ratio nearer to one is none: there is more in one part, and less in another.
+_EVEN = 0.005
 _DOMAINS = {"frequency": "spectrum", "tau": "Allan deviation", "time": "time"}
 
 
@@ -96,7 +98,7 @@ def mismatch_rows(channel: Mapping[str, Any]) -> list[Mismatch]:
 def _size(entry: Mapping[str, Any]) -> str:
     """How many times the model the recording is, "" where it is as large, as beside a step."""
     ratio = entry["ratio"]
-    if ratio is None or ratio == 1:
+    if ratio is None or abs(ratio - 1) < _EVEN:
         return ""
     shown = significant(ratio, 2 if abs(ratio - 1) > 0.1 else 3)
     return f"\N{MULTIPLICATION SIGN} {shown}"
