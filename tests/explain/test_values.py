@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._lasting import _wrong_ends
@@ -162,3 +162,14 @@ def test_noise_that_a_rail_cuts_at_times_is_as_strong_throughout():
     names = {finding.name for finding in state.findings}
     assert "saturation" in names
     assert "variance_modulation" not in names
+
+
+def test_a_filter_stays_one_where_the_noise_changes_far_below_its_corner():
+    """Slow noise in the first half only, and a filter at a hundred times its frequency."""
+    rng = np.random.default_rng(13)
+    fast = lfilter(*butter(2, 0.4), rng.standard_normal(SAMPLES))
+    slow = lfilter([0.05], [1, -0.98], rng.standard_normal(SAMPLES))
+    state = named(fast + np.where(np.arange(SAMPLES) < SAMPLES // 2, 4 * slow, 0))
+    assert any("shape of the spectrum changes" in unknown.why for unknown in state.unknown)
+    assert state.model.kinds.filtering
+    assert "low_pass" not in state.disowned

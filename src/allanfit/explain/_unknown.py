@@ -24,7 +24,7 @@ from ._ordinates import points
 from ._search import Model
 from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of
+from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of, without_droop
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -34,6 +34,8 @@ _SHARES = 512
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 # A filter's corner moves if chance says so as rarely, and it gains such a part of the filter.
 _CORNER, _CORNER_SHARE = 1e-4, 0.05
+# What changes below such a part of it is no filter's doing.
+_WITHIN = 0.25
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
@@ -249,11 +251,23 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     if found is None:
         return
     frequency, log_p = found
-    state.disowned |= {"variance_modulation", "low_pass"}
+    state.disowned.add("variance_modulation")
+    if not _far_below_corner(state, frequency):
+        state.disowned.add("low_pass")
     if not any(finding.name in state.disowned for finding in state.findings):
         state.findings.append(Finding("bump", log_p, 0.0))
     why = "the shape of the spectrum changes in time, and not only its level"
     state.unknown.append(Unknown(frequency, 0.5, why, in_time=True))
+
+
+def _far_below_corner(state: Investigation, frequency: float) -> bool:
+    """Whether what changes is well within the pass band, where a filter does nothing."""
+    if not state.model.kinds.filtering:
+        return False
+    three = state.model.theta[TERMS : TERMS + EACH]
+    shaping = without_droop(state.model.kinds.shaping or "")
+    corner, _ = shape_of(shaping, three, state.data.samples)
+    return frequency < _WITHIN * float(corner)
 
 
 def _corner_moves(
