@@ -22,6 +22,11 @@ _SLOWEST = 100
 _REFINED = 16
 # Sums in which they are looked for: a phase turns by a thousandth of a cycle within one.
 _SUMS = 4096
+# Cycles over a record, from half the sampling rate, at which a sinusoid and its image overlap, and
+# what another frequency than that half has to gain.
+_HALF, _TWICE = 2, 6.0
+# Its frequency is no better known then [cycles a record].
+_ROUGH = 0.1
 # Independent places for each ordinate, of one line between ordinates and of windows of all widths;
 # the chances that follow hold on simulated white noise.
 _PADDED_TRIALS = 3.0
@@ -98,13 +103,6 @@ def _log_tail(power: float, width: int) -> float:
         return 0.0
     bound = -(power - width) + width * np.log(power / width)
     return float(bound) if bound < -500 else float(gamma.logsf(power, width))
-
-
-# Cycles over a record, from half the sampling rate, at which a sinusoid and its image overlap, and
-# what another frequency than that half has to gain.
-_HALF, _TWICE = 2, 6.0
-# Its frequency is no better known then [cycles a record].
-_ROUGH = 0.1
 
 
 class Sine(NamedTuple):

@@ -19,21 +19,21 @@ _ROUGH = 0.02
 
 def about_format(state: Investigation) -> None:
     """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
-    made = state.format
+    made, used = state.format, usable(state.values, state.pieces)
     if made.repeat is not None:
         state.name_once(Finding("sample_hold", made.repeat.log_p, 0.0, detail=made.repeat))
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
     if made.coarse:
         state.name_once(Finding("output_rounding", -1e3, 0.0))
-        state.gains["output_rounding"] = of_codes(usable(state.values, state.pieces), made.width)
+        state.gains["output_rounding"] = of_codes(used, made.width)
     if made.rails and state.finding("saturation") is None:
         state.name_once(Finding("saturation", -1e3, 0.0))
-        state.gains["saturation"] = of_rails(usable(state.values, state.pieces), made.rails)
+        state.gains["saturation"] = of_rails(used, made.rails)
     # Rounding is white noise behind any filter, however little.
     state.rounding = Rounding(made.width**2 / 12, 0.0, 0.0)
     if made.discrete and made.repeat is None:
-        state.rounding = rounding(usable(state.values, state.pieces), made.width, made.sigma)
+        state.rounding = rounding(used, made.width, made.sigma)
     about_angle(state)
     refit(state)
 

@@ -140,20 +140,21 @@ def _densities(
     """Densities of the body and of the spikes of a mixture."""
     fraction, size, core = three
     wide = np.hypot(core, size)
-    spike = _student(at / wide) if heavy else _normal(at / wide)
+    spike = _student(at / wide) if heavy else normal(at / wide)
     return (1 - fraction) * _body(at / core, box) / core, fraction * spike / wide
 
 
 def _body(x: Float[np.ndarray, " values"], box: float) -> Float[np.ndarray, " values"]:
     """Of a uniform value within `box` and a normal one together, of variance 1."""
     if box <= _FLAT:
-        return _normal(x)
+        return normal(x)
     rest, x = np.sqrt(1 - box**2 / 3), np.abs(x)
     return (ndtr((box - x) / rest) - ndtr((-box - x) / rest)) / (2 * box)
 
 
 # Written out: SciPy's take five times as long, mostly to look at their arguments.
-def _normal(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
+def normal(x: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
+    """Density of a standard normal distribution."""
     return np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
 
 

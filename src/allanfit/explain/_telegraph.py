@@ -12,6 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import idct
 
+from ._spread import normal
+
 _SURROGATES = 199
 # Modes beyond this many corner frequencies of the process are noise.
 _CORNERS = 12
@@ -115,4 +117,4 @@ def _mixture(series: Float[np.ndarray, " moments"]) -> tuple[float, float, float
 
 def _normal(at, middle, width):
     middle, width = np.asarray(middle)[..., None], np.asarray(width)[..., None]
-    return np.exp(-(((at - middle) / width) ** 2) / 2) / (width * np.sqrt(2 * np.pi))
+    return normal((at - middle) / width) / width

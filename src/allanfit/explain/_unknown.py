@@ -24,7 +24,7 @@ from ._ordinates import points
 from ._search import Model
 from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of, without_droop
+from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -262,12 +262,13 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
 
 def _far_below_corner(state: Investigation, frequency: float) -> bool:
     """Whether what changes is well within the pass band, where a filter does nothing."""
-    if not state.model.kinds.filtering:
-        return False
+    return state.model.kinds.filtering and frequency < _WITHIN * _corner(state)
+
+
+def _corner(state: Investigation) -> float:
+    """Of the filter in the model [cycles per sample]."""
     three = state.model.theta[TERMS : TERMS + EACH]
-    shaping = without_droop(state.model.kinds.shaping or "")
-    corner, _ = shape_of(shaping, three, state.data.samples)
-    return frequency < _WITHIN * float(corner)
+    return float(shape_of(state.model.kinds.shaping or "", three, float(state.data.samples))[0])
 
 
 def _corner_moves(
@@ -283,8 +284,7 @@ def _corner_moves(
     gain, log_p = moved_along(powers[:, 1:-1], slopes[:, 1] / folded)
     if log_p > np.log(_CORNER) or gain < _CORNER_SHARE * named.gain:
         return None
-    corner, _ = shape_of(shaping, three, float(state.data.samples))
-    return min(float(corner), 0.5), log_p
+    return min(_corner(state), 0.5), log_p
 
 
 def _bump_instead(state: Investigation) -> None:
