@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from allanfit.explain._investigate import investigate
-from allanfit.explain._lasting import _wrong_ends
+from allanfit.explain._knocks import wrong_ends
 from allanfit.explain._ordinates import ordinates
 from allanfit.explain._telegraph import two_levels
 
@@ -79,7 +79,7 @@ def test_a_right_sample_at_either_end_is_none():
     for _ in range(50):
         white = rng.standard_normal(3000)
         for values in (white, np.cumsum(white), rng.laplace(size=3000)):
-            assert _wrong_ends(values) is None
+            assert wrong_ends(values) is None
 
 
 @pytest.mark.parametrize("share", [0.5, 0.1])

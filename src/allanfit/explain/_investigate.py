@@ -19,7 +19,8 @@ from ._chance import log_chance
 from ._clock import fresh_values
 from ._format import stuck
 from ._intervals import cut_out, joined
-from ._lasting import about_spread, loudness, moved_while_loud
+from ._knocks import moved_while_loud
+from ._lasting import about_spread, loudness
 from ._leakage import take_bump
 from ._lines import line_log_chance
 from ._means import Course
@@ -93,7 +94,7 @@ def investigate(
     if about_spread(state, seed):
         state = _without_knocks(state, power, seed)
     _take_all(state, drivers)
-    if moved_while_loud(state, seed):
+    if moved_while_loud(state):
         state = _without_knocks(state, power, seed)
         _take_all(state, drivers)
     whole = _with_switches(state, power, seed)

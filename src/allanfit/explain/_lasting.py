@@ -4,33 +4,27 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import irfft
 
-from . import _means, _search
-from ._bursts import Burst, bursts
-from ._held_out_values import of_loud_times, of_spikes, of_times
-from ._intervals import runs, widened
+from . import _search
+from ._bursts import bursts
+from ._held_out_values import of_loud_times, of_spikes
+from ._intervals import runs
+from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
 from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation
 from ._state import (
     Finding,
     Investigation,
-    add_course,
-    evidence,
     rebin,
     refit,
     whitened_piece,
-    with_course,
 )
 from ._whiten import level
 
 # Loud for less of the record, and by more, is a knock and no change of the noise.
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
-_MARGIN = 2
 # Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
 _MOST_DOUBLINGS, _CLEARER = 8, 1.5
-# Brief disturbances that fill more than this are no brief ones, but noise that changes.
-_BRIEF_SHARE = 0.02
-_MOST_STEPS = 8
 # Spikes more frequent than this are what the noise is like: cut out, they would take its spectrum
 # with them.
 _RARE = 0.05
@@ -38,17 +32,11 @@ _RARE = 0.05
 USUAL = 0.08
 # Such noise is told from a strong effect that is not normal by this gain over a normal one.
 _LONG_TAILED = 60.0
-# As far as a scan for a step in white noise goes.
-_STEP_PATH = 100.0
 # Samples of the whitening kernel, and nearly the half-width of a uniform distribution.
 _KERNEL = 4096
 _WIDEST = 1.65
 # Samples at the ends of a record in which what leaks there is told.
 _END = 32
-# A sample at either end is compared with so many neighbours, as are others at so many places; up to
-# so many samples are wrong if they are several times as far from them as nearly all others are.
-_NEIGHBOURS, _END_PLACES, _MOST_WRONG = 32, 2000, 4
-_NEARLY_ALL, _FAR_OUT = 0.99, 5.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 
@@ -59,9 +47,9 @@ def about_spread(state: Investigation, seed: int) -> bool:
         # Discrete or held samples are not normal, and their whitened record is not either.
         return False
     piece = state.longest
-    wrong_ends = None if state.knocks else _wrong_ends(state.values[piece[0] : piece[1]])
-    if wrong_ends is not None:
-        _knock(state, piece, wrong_ends, whitened_piece(state, piece), seed)
+    at_the_ends = None if state.knocks else wrong_ends(state.values[piece[0] : piece[1]])
+    if at_the_ends is not None:
+        knock(state, piece, at_the_ends, whitened_piece(state, piece))
         return True
     rough = whitened_piece(state, piece)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
@@ -77,10 +65,10 @@ def about_spread(state: Investigation, seed: int) -> bool:
     loud = loud and not _cut_while_quiet(state, piece, changing)
     if loud and not state.knocks:
         share = changing.loud.mean()
-        if share < _KNOCK_SHARE and _steps_instead(state, piece, changing):
+        if share < _KNOCK_SHARE and steps_instead(state, piece, changing):
             return about_spread(state, seed)
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
-            _knock(state, piece, changing, white, seed)
+            knock(state, piece, changing, white)
             return True
     if loud:
         state.modulation = changing
@@ -96,11 +84,11 @@ def about_spread(state: Investigation, seed: int) -> bool:
         float(np.exp(brief.log_p)),
         "Short spectra of the whitened record, scanned for tiles that stand out.",
     )
-    if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < _BRIEF_SHARE:
-        knocked = _as_modulation(white, brief)
-        if _steps_instead(state, piece, knocked):
+    if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < BRIEF_SHARE:
+        knocked = as_modulation(white, brief)
+        if steps_instead(state, piece, knocked):
             return about_spread(state, seed)
-        _knock(state, piece, knocked, white, seed)
+        knock(state, piece, knocked, white)
         return True
     mean = level(state.left, state.variance)
     box = _uniform_part(state, mean)
@@ -210,66 +198,6 @@ def forget_loud_times(state: Investigation) -> None:
     refit(state)
 
 
-def _knock(
-    state: Investigation,
-    piece: tuple[int, int],
-    changing: Modulation,
-    white: Float[np.ndarray, " samples"],
-    seed: int,
-) -> None:
-    """The loud times are a disturbance, to be cut out with a margin."""
-    # With their margins some may be one.
-    cut = widened(changing.loud, changing.window * _MARGIN)
-    state.knocks = [(piece[0] + a, piece[0] + b) for a, b in runs(cut)]
-    log_p = float(np.log(max(changing.p_value, 1e-300)))
-    state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
-    state.gains["disturbance"] = of_times(white, changing.loud)
-
-
-def moved_while_loud(state: Investigation, seed: int) -> bool:
-    """Whether the mean is another one in the brief times that are loud.
-
-    The sensor was moved then, however little louder it is. If so these times have to be cut out.
-    """
-    changing, piece = state.modulation, state.longest
-    if changing is None or state.knocks or changing.loud.mean() > _BRIEF_SHARE:
-        return False
-    near = np.zeros(state.values.size + 1, bool)
-    near[piece[0] : piece[1]] = widened(changing.loud, changing.window)
-    steps = [round(course.shape["time"]) for course in state.courses if course.name == "step"]
-    rectified = any(course.name == "vibration_rectification" for course in state.courses)
-    if not (rectified or steps) or not near[steps].all():
-        return False
-    _knock(state, piece, changing, whitened_piece(state, piece), seed)
-    return True
-
-
-def _wrong_ends(values: Float[np.ndarray, " samples"]) -> Modulation | None:
-    """The first or the last samples, if they are far from all that follows or precedes.
-
-    Where a logger begins or stops in the middle of a message. What is made white has no such
-    sample: its record is mirrored at the ends.
-    """
-    if values.size < 4 * _NEIGHBOURS:
-        return None
-    loud, heights = np.zeros(values.size, bool), []
-    for x, mine in ((values, loud), (values[::-1], loud[::-1])):
-        near = np.lib.stride_tricks.sliding_window_view(x, 1 + _NEIGHBOURS)
-        near = near[:: max(len(near) // _END_PLACES, 1)]
-        apart = np.abs(near[:, 0] - np.median(near[:, 1:], axis=1))
-        usual = float(np.quantile(apart[1:], _NEARLY_ALL))
-        if usual == 0:
-            return None
-        # A few samples at most, each of which is far from what comes after them all.
-        far = np.abs(x[:_MOST_WRONG] - np.median(x[_MOST_WRONG:_NEIGHBOURS])) > _FAR_OUT * usual
-        mine[: int(np.argmin(np.append(far, False)))] = True
-        heights.append(apart[0] / usual)
-    if not loud.any():
-        return None
-    ratio = float(max(heights))
-    return Modulation(ratio, np.full(1, ratio), loud, 1, 1e-300)
-
-
 def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
     """Other samples in place of the first and the last.
 
@@ -279,48 +207,6 @@ def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " s
     white = white.copy()
     white[:_END], white[-_END:] = white[_END : 2 * _END], white[-2 * _END : -_END]
     return white
-
-
-def _as_modulation(white: Float[np.ndarray, " samples"], brief: Burst) -> Modulation:
-    """Brief loud times in the words of lasting ones."""
-    loud, quiet = white[brief.loud].std(), white[~brief.loud].std()
-    ratio = float(loud / quiet)
-    draws = np.full(1, ratio)
-    return Modulation(
-        ratio, draws, brief.loud, max(brief.window // 4, 1), float(np.exp(brief.log_p))
-    )
-
-
-def _steps_instead(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
-    """Whether the mean jumps where it is loud: whitening makes a pulse of a step.
-
-    Takes the steps if so; else leaves everything as it was.
-    """
-    found = runs(changing.loud)
-    if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
-        return False
-    before = (list(state.courses), list(state.moved), state.sized, state.model, state.data)
-    taken: list[Finding] = []
-    for a, b in found:
-        middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
-        course = _means.polish(
-            _means.step(round(middle), state.values.size),
-            lambda at: _means.step(round(at), state.values.size),
-            middle,
-            half / 2,
-            lambda tried: -with_course(state, tried).cost,
-        )
-        gain, log_p = evidence(state, course._replace(length=_STEP_PATH))
-        if log_p > 2 * np.log(state.alarm):
-            break
-        finding = Finding("step", log_p, gain)
-        add_course(state, course, finding)
-        taken.append(finding)
-    else:
-        return True
-    state.courses, state.moved, state.sized, state.model, state.data = before
-    state.findings = [each for each in state.findings if each not in taken]
-    return False
 
 
 def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modulation) -> float:

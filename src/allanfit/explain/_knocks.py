@@ -1,0 +1,125 @@
+"""Brief times in which a sensor was disturbed: knocks, steps that look like them, wrong ends."""
+
+import numpy as np
+from jaxtyping import Float
+
+from . import _means
+from ._bursts import Burst
+from ._held_out_values import of_times
+from ._intervals import runs, widened
+from ._spread import Modulation
+from ._state import Finding, Investigation, add_course, evidence, whitened_piece, with_course
+
+# A knock is cut out with so many windows on either side.
+_MARGIN = 2
+# Brief disturbances that fill more than this are no brief ones, but noise that changes.
+BRIEF_SHARE = 0.02
+# More jumps than this are no steps.
+_MOST_STEPS = 8
+# As far as a scan for a step in white noise goes.
+_STEP_PATH = 100.0
+# A sample at either end is compared with so many neighbours, as are others at so many places; up to
+# so many samples are wrong if they are several times as far from them as nearly all others are.
+_NEIGHBOURS, _END_PLACES, _MOST_WRONG = 32, 2000, 4
+_NEARLY_ALL, _FAR_OUT = 0.99, 5.0
+
+
+def knock(
+    state: Investigation,
+    piece: tuple[int, int],
+    changing: Modulation,
+    white: Float[np.ndarray, " samples"],
+) -> None:
+    """The loud times are a disturbance, to be cut out with a margin."""
+    # With their margins some may be one.
+    cut = widened(changing.loud, changing.window * _MARGIN)
+    state.knocks = [(piece[0] + a, piece[0] + b) for a, b in runs(cut)]
+    log_p = float(np.log(max(changing.p_value, 1e-300)))
+    state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
+    state.gains["disturbance"] = of_times(white, changing.loud)
+
+
+def moved_while_loud(state: Investigation) -> bool:
+    """Whether the mean is another one in the brief times that are loud.
+
+    The sensor was moved then, however little louder it is. If so these times have to be cut out.
+    """
+    changing, piece = state.modulation, state.longest
+    if changing is None or state.knocks or changing.loud.mean() > BRIEF_SHARE:
+        return False
+    near = np.zeros(state.values.size + 1, bool)
+    near[piece[0] : piece[1]] = widened(changing.loud, changing.window)
+    steps = [round(course.shape["time"]) for course in state.courses if course.name == "step"]
+    rectified = any(course.name == "vibration_rectification" for course in state.courses)
+    if not (rectified or steps) or not near[steps].all():
+        return False
+    knock(state, piece, changing, whitened_piece(state, piece))
+    return True
+
+
+def wrong_ends(values: Float[np.ndarray, " samples"]) -> Modulation | None:
+    """The first or the last samples, if they are far from all that follows or precedes.
+
+    Where a logger begins or stops in the middle of a message. What is made white has no such
+    sample: its record is mirrored at the ends.
+    """
+    if values.size < 4 * _NEIGHBOURS:
+        return None
+    loud, heights = np.zeros(values.size, bool), []
+    for x, mine in ((values, loud), (values[::-1], loud[::-1])):
+        near = np.lib.stride_tricks.sliding_window_view(x, 1 + _NEIGHBOURS)
+        near = near[:: max(len(near) // _END_PLACES, 1)]
+        apart = np.abs(near[:, 0] - np.median(near[:, 1:], axis=1))
+        usual = float(np.quantile(apart[1:], _NEARLY_ALL))
+        if usual == 0:
+            return None
+        # A few samples at most, each of which is far from what comes after them all.
+        far = np.abs(x[:_MOST_WRONG] - np.median(x[_MOST_WRONG:_NEIGHBOURS])) > _FAR_OUT * usual
+        mine[: int(np.argmin(np.append(far, False)))] = True
+        heights.append(apart[0] / usual)
+    if not loud.any():
+        return None
+    ratio = float(max(heights))
+    return Modulation(ratio, np.full(1, ratio), loud, 1, 1e-300)
+
+
+def as_modulation(white: Float[np.ndarray, " samples"], brief: Burst) -> Modulation:
+    """Brief loud times in the words of lasting ones."""
+    loud, quiet = white[brief.loud].std(), white[~brief.loud].std()
+    ratio = float(loud / quiet)
+    draws = np.full(1, ratio)
+    return Modulation(
+        ratio, draws, brief.loud, max(brief.window // 4, 1), float(np.exp(brief.log_p))
+    )
+
+
+def steps_instead(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
+    """Whether the mean jumps where it is loud: whitening makes a pulse of a step.
+
+    Takes the steps if so; else leaves everything as it was.
+    """
+    found = runs(changing.loud)
+    if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
+        return False
+    before = (list(state.courses), list(state.moved), state.sized, state.model, state.data)
+    taken: list[Finding] = []
+    for a, b in found:
+        middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
+        course = _means.polish(
+            _means.step(round(middle), state.values.size),
+            lambda at: _means.step(round(at), state.values.size),
+            middle,
+            half / 2,
+            lambda tried: -with_course(state, tried).cost,
+        )
+        gain, log_p = evidence(state, course._replace(length=_STEP_PATH))
+        if log_p > 2 * np.log(state.alarm):
+            break
+        finding = Finding("step", log_p, gain)
+        add_course(state, course, finding)
+        taken.append(finding)
+    else:
+        return True
+    state.courses, state.moved, state.sized, state.model, state.data = before
+    state.findings = [each for each in state.findings if each not in taken]
+    return False
