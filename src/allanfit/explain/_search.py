@@ -35,6 +35,8 @@ _MOST_ADDED = 3
 _ROUGH_GAIN = 0.02
 # Quantization noise over white noise at the Nyquist frequency that is worth a word.
 _MUCH = 0.05
+# A corner within such a factor of the lowest that is looked for is none.
+_LOWEST = 1.05
 # Part of the spectrum that a term is given to start with.
 _FAINT = 1e-4
 # Quality and relative width up to which they are usual, and the power with which they become rare.
@@ -178,9 +180,16 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
 
 
 def _cost(model: Model, data: Data) -> float:
-    """The deviance, and a price if a filter takes quantization noise for what it passes."""
+    """The deviance, and a price if a filter takes quantization noise for what it passes.
+
+    A corner at the lowest frequency of all is none: quantization noise that is made flat beyond it
+    takes the place of white noise.
+    """
     if not model.kinds.filtering:
         return model.deviance
+    lowest = bounds(model.kinds.shaping or "", data.samples)[0][0]
+    if _filter_shape(model, data)[0] < _LOWEST * lowest:
+        return np.inf
     quantization, white = np.asarray(data.bins.expected)[data.bins.used][-1, :2]
     power = np.exp(model.theta[:2])
     needed = power[0] * quantization > _MUCH * power[1] * white

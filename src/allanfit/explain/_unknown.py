@@ -19,17 +19,19 @@ from ._held_out_values import of_swing
 from ._intervals import runs
 from ._lasting import forget_loud_times
 from ._leakage import take_bump
+from ._line_or_resonance import tell_apart
 from ._moving import Band, moving
+from ._narrow import band_of, narrow_groups
 from ._ordinates import points
 from ._search import Model
 from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, NARROW, TERMS, UNNAMED, added_density, shape_of
+from ._structure import EACH, TERMS, UNNAMED, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
-# A band's share of the power is told at so many frequencies.
-_SHARES = 512
+# Widths to either side of a line within which it moves.
+_REACH = 3.0
 # A pulse is looked for from so many periods on, and must be as unlikely.
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 # A filter's corner moves if chance says so as rarely, and it gains such a part of the filter.
@@ -61,9 +63,9 @@ class Unknown(NamedTuple):
 
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
+    _only_lines_were_loud(state)
+    tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
-    if _only_lines_were_loud(state, white):
-        white = whitened_piece(state, state.longest, model_only=True)
     _combs(state)
     _sweeps(state, white)
     _turns(state)
@@ -73,21 +75,21 @@ def look_again(state: Investigation) -> None:
     _bump_instead(state)
 
 
-def _only_lines_were_loud(state: Investigation, white: Float[np.ndarray, " samples"]) -> bool:
-    """Whether the noise beside lines and resonances lasts, though the record is louder at times.
+def _only_lines_were_loud(state: Investigation) -> None:
+    """Take back louder times if the noise beside lines and resonances lasts.
 
-    It is taken for lasting noise then: less of it would be left if it were counted out twice.
+    Less of it would be left if what lines add were counted out twice.
     """
     drivers = {course.name for course in state.courses}
-    narrow = any(_narrow(state)) or state.peaks
+    narrow = any(narrow_groups(state)) or state.peaks
     if state.modulation is None or not narrow or "vibration_rectification" in drivers:
-        return False
+        return
+    white = whitened_piece(state, state.longest, model_only=True)
     if uneven(_broad(state, white))[0] < state.alarm:
-        return False
+        return
     start = state.longest[0]
     state.line_times = [(start + a, start + b) for a, b in runs(state.modulation.loud)]
     forget_loud_times(state)
-    return True
 
 
 def _combs(state: Investigation) -> None:
@@ -118,43 +120,11 @@ def _comb(state: Investigation, lines: list[float]) -> None:
     state.unknown.append(Unknown(middle, max(width, 1e-6), why, 1 / gap))
 
 
-class _Narrow(NamedTuple):
-    """One line or resonance of the model, with its free parameters."""
-
-    name: str
-    #: Which of the model's added noises it is.
-    place: int
-    three: Float[np.ndarray, " three"]
-    middle: float
-    width: float
-
-
-def _narrow(state: Investigation) -> list[list[_Narrow]]:
-    """Lines and resonances in groups whose bands meet: several may describe one cause."""
-    kinds, samples = state.model.kinds, float(state.data.samples)
-    found = []
-    for place, name in enumerate(kinds.added):
-        if name in NARROW:
-            begin = kinds.first_slot + EACH * place
-            three = state.model.theta[begin : begin + EACH]
-            first, second = (float(each) for each in shape_of(name, three, samples))
-            width = first * second if name == "drifting_line" else first / second
-            found.append(_Narrow(name, place, three, first, width))
-    groups: list[list[_Narrow]] = []
-    for one in sorted(found, key=lambda each: each.middle):
-        last = groups[-1][-1] if groups else None
-        if last is not None and one.middle - last.middle < 2 * (one.width + last.width):
-            groups[-1].append(one)
-        else:
-            groups.append([one])
-    return groups
-
-
 def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     """Lines that move through their band, or come and go."""
-    for group in _narrow(state):
+    for group in narrow_groups(state):
         main = max(group, key=lambda each: each.width)
-        band = _band_of(state, group)
+        band = band_of(state, group, _REACH)
         path = moving(white, band)
         if path is not None and path.log_p > np.log(state.alarm):
             path = None
@@ -172,23 +142,11 @@ def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
             state.unknown.append(Unknown(main.middle, width, why, period))
 
 
-def _band_of(state: Investigation, group: list[_Narrow]) -> Band:
-    """Three widths to either side of a group, and its share of the power there."""
-    samples = float(state.data.samples)
-    low = max(min(each.middle - 3 * each.width for each in group), 1 / samples)
-    high = min(max(each.middle + 3 * each.width for each in group), 0.5)
-    at = np.linspace(low, high, _SHARES)
-    nodes = points(at)
-    own = [np.asarray(added_density(each.name, each.three, nodes, samples)) for each in group]
-    total = np.interp(at, state.left.frequency, state.variance)
-    return Band(low, high, at, np.minimum(np.sum(own, axis=0) / total, 1.0))
-
-
 def _turns(state: Investigation) -> None:
     """A line that wanders to and fro dwells where it turns, and looks like a sinusoid there."""
     wandering = [
         one
-        for group in _narrow(state)
+        for group in narrow_groups(state)
         for one in group
         if one.name == "drifting_line" and one.place not in state.disowned_noises
     ]
@@ -350,7 +308,7 @@ def _broad(
     """The white record without the bands of lines and resonances."""
     spectrum = np.fft.rfft(white)
     frequency = np.fft.rfftfreq(white.size)
-    for one in (each for group in _narrow(state) for each in group):
+    for one in (each for group in narrow_groups(state) for each in group):
         # What is broad for its frequency has no band of its own, unless it moves through one.
         if one.width < one.middle / 8 or one.place in state.disowned_noises:
             spectrum[np.abs(frequency - one.middle) < 4 * one.width] = 0.0

@@ -1,0 +1,85 @@
+"""Lines and resonances of a model, and the bands that they fill."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from . import _search
+from ._moving import Band
+from ._ordinates import bin_edges, points
+from ._state import Investigation, rebin
+from ._structure import EACH, NARROW, added_density, effects_density, shape_of
+
+# Bins within a width to either side of a peak that show its shape.
+_RESOLVED = 6
+# A band's share of the power is told at so many frequencies.
+_SHARES = 512
+
+
+class Narrow(NamedTuple):
+    """One line or resonance of the model, with its free parameters."""
+
+    name: str
+    #: Which of the model's added noises it is.
+    place: int
+    three: Float[np.ndarray, " three"]
+    middle: float
+    width: float
+
+
+def narrow_groups(state: Investigation) -> list[list[Narrow]]:
+    """Lines and resonances in groups whose bands meet: several may describe one cause."""
+    kinds, samples = state.model.kinds, float(state.data.samples)
+    found = []
+    for place, name in enumerate(kinds.added):
+        if name in NARROW:
+            begin = kinds.first_slot + EACH * place
+            three = state.model.theta[begin : begin + EACH]
+            first, second = (float(each) for each in shape_of(name, three, samples))
+            width = first * second if name == "drifting_line" else first / second
+            found.append(Narrow(name, place, three, first, width))
+    groups: list[list[Narrow]] = []
+    for one in sorted(found, key=lambda each: each.middle):
+        last = groups[-1][-1] if groups else None
+        if last is not None and one.middle - last.middle < 2 * (one.width + last.width):
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def resolve(state: Investigation) -> None:
+    """Bins as fine as the peaks of the model: wider ones say little of a width."""
+    coarse = []
+    for one in (each for group in narrow_groups(state) for each in group):
+        near = np.abs(state.edges - one.middle) < one.width
+        if np.count_nonzero(near) < _RESOLVED:
+            coarse.append((one.middle, one.width / 2))
+    if coarse:
+        finer = bin_edges(state.spectrum.longest, tuple(coarse))
+        state.edges = np.union1d(state.edges, finer)
+        rebin(state)
+
+
+def beside(
+    state: Investigation, group: list[Narrow], frequency: Float[np.ndarray, " _"]
+) -> Float[np.ndarray, " _"]:
+    """What the model expects of ordinates at some frequencies without a group's noises [u^2]."""
+    bins = state.data.bins
+    every = np.asarray(effects_density(state.model.theta, state.model.kinds, state.data))
+    own = np.sum([every[each.place] for each in group], axis=0)
+    rest = (_search.mean_density(state.model, state.data) - own)[bins.used]
+    return np.exp(np.interp(np.log(frequency), np.log(bins.frequency[bins.used]), np.log(rest)))
+
+
+def band_of(state: Investigation, group: list[Narrow], widths: float) -> Band:
+    """So many widths to either side of a group, and its share of the power there."""
+    samples = float(state.data.samples)
+    low = max(min(each.middle - widths * each.width for each in group), 1 / samples)
+    high = min(max(each.middle + widths * each.width for each in group), 0.5)
+    at = np.linspace(low, high, _SHARES)
+    nodes = points(at)
+    densities = [added_density(each.name, each.three, nodes, samples) for each in group]
+    own = np.sum([np.asarray(density) for density in densities], axis=0)
+    return Band(low, high, at, own / (own + beside(state, group, at)))

@@ -1,0 +1,91 @@
+"""How likely a line of steady amplitude, whose frequency wanders, made a narrow band.
+
+A spectrum knows no more of it than of normal noise of the same shape, but a line is at one
+frequency at a time, and keeps its phase from one moment to the next. A hidden Markov model with
+frequency and phase as its states knows both: frequency reverts to its mean as an
+Ornstein-Uhlenbeck process does, and phase goes on by it (forward algorithm: Rabiner 1989, Proc.
+IEEE 77:257).
+"""
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.special import logsumexp
+
+# Frequencies of a band, and phases: one sample later a phase has gone on by whole steps.
+_STEPS = 32
+# How long a frequency lasts, in samples of the band; any of them may be.
+_MEMORIES = (10.0, 30.0, 100.0, 300.0, 1000.0)
+# Steps of which a normal distribution is sampled well.
+_SMOOTH = 0.6
+
+Band = Complex[np.ndarray, " band"]
+
+
+def narrow_band(white: Float[np.ndarray, " samples"], low: float, high: float) -> Band:
+    """A band of a white record, moved to zero and taken as often as it has ordinates.
+
+    Its samples are independent and complex normal, with a mean square of one.
+    """
+    spectrum = np.fft.rfft(white)[inside(white.size, low, high)] / np.sqrt(white.size)
+    return np.fft.ifft(spectrum) * np.sqrt(spectrum.size)
+
+
+def inside(samples: int, low: float, high: float) -> slice:
+    """The ordinates of a band; neither zero nor the Nyquist frequency."""
+    last = (samples + 1) // 2
+    return slice(max(int(low * samples), 1), min(int(np.ceil(high * samples)), last))
+
+
+def normal_likelihood(band: Band, excess: Float[np.ndarray, " band"]) -> float:
+    """Log-likelihood of normal noise in the band, over that of white noise alone.
+
+    `excess` is its density over that of white noise, at frequencies evenly across the band.
+    """
+    power = np.abs(np.fft.fft(band)) ** 2 / band.size
+    return float(np.sum(power * excess / (1 + excess) - np.log1p(excess)))
+
+
+def tracked_likelihood(band: Band, middle: float, width: float, power: float) -> float:
+    """Log-likelihood of a line that wanders in the band, over that of white noise alone.
+
+    `middle` and `width` are mean and standard deviation of its frequency as parts of the band, and
+    `power` is its squared amplitude where white noise has a mean square of one. The mean over all
+    times for which its frequency may last.
+    """
+    memories = [each for each in _MEMORIES if each < band.size] or [_MEMORIES[0]]
+    frequency, step = np.arange(_STEPS) / _STEPS, np.arange(_STEPS)
+    start = np.exp(-(((frequency - middle) / width) ** 2) / 2)
+    moves = np.stack([_moves(middle * _STEPS, width * _STEPS, memory) for memory in memories])
+    # Of a line at step k of the frequency the phase goes on by k steps.
+    earlier = (_STEPS * step[:, None] + (step[None, :] - step[:, None]) % _STEPS).ravel()
+    amplitude = np.sqrt(power)
+    turned = np.exp(-2j * np.pi * frequency)
+    states = np.repeat(start[None, :, None] / start.sum(), len(memories), axis=0)
+    states = np.repeat(states / _STEPS, _STEPS, axis=2)
+    found = np.zeros(len(memories))
+    for at, value in enumerate(band):
+        if at:
+            flat = states.reshape(len(memories), -1)[:, earlier]
+            states = moves @ flat.reshape(states.shape)
+        states = states * np.exp(2 * amplitude * (value * turned).real - power)
+        total = states.sum(axis=(1, 2))
+        states /= total[:, None, None]
+        found += np.log(total)
+    return float(logsumexp(found) - np.log(len(memories)))
+
+
+def _moves(middle: float, width: float, memory: float) -> Float[np.ndarray, "to come_from"]:
+    """Chances of going from one frequency to another within one sample, all in steps."""
+    step = np.arange(_STEPS)
+    kept = np.exp(-1 / memory)
+    mean, variance = middle + kept * (step - middle), width**2 * (1 - kept**2)
+    if variance > _SMOOTH**2:
+        chances = np.exp(-((step[:, None] - mean) ** 2) / (2 * variance))
+    else:
+        # One step up, one down, or none: with the same mean and variance.
+        drift = mean - step
+        up, down = ((variance + drift**2 + sign * drift) / 2 for sign in (1, -1))
+        up, down = np.maximum(up, 0.0), np.maximum(down, 0.0)
+        chances = np.diag(np.maximum(1 - up - down, 0.0))
+        chances += np.diag(up[:-1], -1) + np.diag(down[1:], 1)
+    return chances / chances.sum(axis=0)
