@@ -21,7 +21,7 @@ from ._lasting import forget_loud_times
 from ._leakage import take_bump
 from ._line_or_resonance import tell_apart
 from ._moving import Band, moving
-from ._narrow import band_of, narrow_groups
+from ._narrow import Narrow, band_of, narrow_groups
 from ._ordinates import points
 from ._search import Model
 from ._spread import PULLED_IN, uneven
@@ -30,8 +30,9 @@ from ._structure import EACH, TERMS, UNNAMED, shape_of
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
-# Widths to either side of a line within which it moves.
-_REACH = 3.0
+# Widths to either side of a line within which it moves, and within which bursts may show: whoever
+# takes in much noise hears no weak ones, and who takes in too little loses their edges.
+_REACH, _REACHES = 3.0, (1.0, 2.0, 3.0)
 # A pulse is looked for from so many periods on, and must be as unlikely.
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 # A filter's corner moves if chance says so as rarely, and it gains such a part of the filter.
@@ -131,7 +132,7 @@ def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         why, period = "", 0.0
         if path is not None and path.even:
             why = "a line that sweeps through the band in the course of the recording"
-        elif period := _pulse(white, band):
+        elif period := _pulse_of(state, white, group):
             why = "a line that comes and goes"
         elif path is not None:
             # Whatever its shape, a resonance it is not.
@@ -158,6 +159,14 @@ def _turns(state: Investigation) -> None:
     ]
 
 
+def _pulse_of(
+    state: Investigation, white: Float[np.ndarray, " samples"], group: list[Narrow]
+) -> float:
+    """The period [samples] with which a group's power comes and goes, or zero."""
+    periods = (_pulse(white, band_of(state, group, reach)) for reach in _REACHES)
+    return next((period for period in periods if period), 0.0)
+
+
 def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
     """The period [samples] with which a band's power comes and goes, or zero."""
     spectrum = np.fft.rfft(white)
@@ -181,7 +190,7 @@ def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
         order = np.round(np.arange(1, count + 1)[:, None] * tried).astype(int)
         together = ratio[order].sum(axis=0)
         at = int(np.argmax(together))
-        chance = gamma.logsf(together[at], count) + np.log(3 * tried.size)
+        chance = gamma.logsf(together[at], count) + np.log(3 * len(_REACHES) * tried.size)
         if chance < log_p:
             log_p, beat, size = float(chance), tried[at], float(np.mean(beats[order[:, at]]))
     # How deep: bursts leave nothing between them, and other swings of a line are no bursts.
