@@ -38,9 +38,13 @@ def noise():
             "comes and goes, every 20 s",
         ),
         (lambda x: x + 0.012 * np.sin(2 * np.pi * (5 + 0.003 * TIME) * TIME), "sweeps"),
+        (
+            lambda x: x + 0.05 * ((TIME > 100) & (TIME < 180)) * np.sin(2 * np.pi * 7.3 * TIME),
+            "one frequency and phase whose strength changes, mostly from",
+        ),
         (lambda x: x * np.sqrt(1 + 0.5 * np.sin(2 * np.pi * TIME / 3)), "swings, every 3 s"),
     ],
-    ids=["bursts of a line", "sweep", "swing"],
+    ids=["bursts of a line", "sweep", "a line that is switched on", "swing"],
 )
 def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     channel = explained(tmp_path, cause(noise))

@@ -63,7 +63,7 @@ def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) 
         # Fast switches between levels that are far apart are long tails too.
         found = [each for each in found if each.name != "outliers" or not _usual(each)]
     named = [effect for effect in found if not _disowned(state, effect, dt)]
-    return merged(named) + [_unknown(unknown, dt) for unknown in state.unknown]
+    return merged(named) + [_unknown(state, unknown, dt) for unknown in state.unknown]
 
 
 def _usual(effect: Effect) -> bool:
@@ -80,13 +80,13 @@ def _disowned(state: Investigation, effect: Effect, dt: float) -> bool:
     return effect.name in state.disowned
 
 
-def _unknown(unknown: Unknown, dt: float) -> Effect:
+def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
     middle, width = unknown.frequency / dt, unknown.width
     values = {"height": 0.0, "frequency": middle, "width": width}
     band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
     draws = {name: np.full(2, value) for name, value in values.items()}
     note = unknown.why + (f", every {unknown.period * dt:.4g} s" if unknown.period else "")
-    note += f"; {unknown.like}" if unknown.like else ""
+    note += _mostly(state, unknown.times, dt) + (f"; {unknown.like}" if unknown.like else "")
     return Effect("bump", _LINE, {}, draws, {}, band, note, unknown.in_time)
 
 
@@ -172,9 +172,16 @@ def _when(state: Investigation, dt: float) -> str:
     """When the only line was stronger than at other times, if it was."""
     if not state.line_times or len(set(state.model.kinds.added) & set(NARROW)) != 1:
         return ""
-    pairs = _seconds(state, state.line_times[:_MOST_TIMES], dt)
-    times = [f"from {a:.5g} to {b:.5g} s" for a, b in pairs]
-    more = len(state.line_times) - len(times)
+    return _mostly(state, state.line_times, dt)
+
+
+def _mostly(state: Investigation, pairs: Sequence[tuple[int, int]], dt: float) -> str:
+    """The first few of some times."""
+    if not pairs:
+        return ""
+    told = _seconds(state, pairs[:_MOST_TIMES], dt)
+    times = [f"from {a:.5g} to {b:.5g} s" for a, b in told]
+    more = len(pairs) - len(times)
     return ", mostly " + ", ".join(times) + (f" and {more} times more" if more else "")
 
 

@@ -24,6 +24,7 @@ from ._lasting import about_spread, loudness
 from ._leakage import take_bump
 from ._lines import line_log_chance
 from ._means import Course
+from ._narrow import narrow_groups
 from ._rounded import about_angle, about_format
 from ._rounds import LINE_ALARM, take_one, take_strong_lines
 from ._state import (
@@ -36,6 +37,7 @@ from ._state import (
     refit,
     resize,
 )
+from ._structure import EACH, TERMS, shape_of
 from ._switches import switches_only
 from ._unknown import look_again
 
@@ -46,6 +48,8 @@ _MOST_ROUNDS = 10
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
 _FREE = 0.5
+# A bump within such a part of a peak's width is about it.
+_PEAK = 3.0
 # What changes when a course is taken back.
 _OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 
@@ -220,6 +224,18 @@ def _drop_unless(
 def _leftover(state: Investigation) -> None:
     """What nothing of the catalogue explains, as a smooth bump."""
     found = _search.bumps(state.model, state.data) if state.unexplained is None else []
+    if found and _of_a_peak(state, found[0]):
+        # That a peak has not quite its shape is no cause of its own.
+        return
     if found and log_chance("bump", found[0].gain) < np.log(state.alarm):
         state.nearest = min(state.nearest, log_chance("bump", found[0].gain))
         take_bump(state, found[0])
+
+
+def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
+    """Whether a bump is about a line or a resonance of the model."""
+    three = bump.model.theta[TERMS : TERMS + EACH]
+    shaping = bump.model.kinds.shaping or ""
+    middle = float(shape_of(shaping, three, float(state.data.samples))[0])
+    peaks = (one for group in narrow_groups(state) for one in group)
+    return any(abs(middle - one.middle) < _PEAK * one.width for one in peaks)

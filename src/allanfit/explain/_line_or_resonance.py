@@ -1,23 +1,27 @@
-"""Whether a narrow band is a line that wanders, or a resonance: told in time, where spectra fail.
+"""Whether a narrow band is a line that wanders, one that is switched, or a resonance.
 
-Of both the spectrum is a peak, and shapes are alike within what a few hundred ordinates tell.
+Of all the spectrum is a peak, and shapes are alike within what a few hundred ordinates tell: it is
+time that tells them apart.
 """
 
 import numpy as np
 from jaxtyping import Float
 
 from . import _search
-from ._narrow import Narrow, beside, narrow_groups, resolve
+from ._narrow import Narrow, alone, density_of, narrow_groups, resolve
+from ._one_phase import OnePhase, one_phase
 from ._ordinates import points
 from ._search import Model
 from ._state import Finding, Investigation, whitened_piece
 from ._structure import EACH, NARROW, added_density, bounds, free, shape_of
-from ._tracked import inside, narrow_band, normal_likelihood, tracked_likelihood
+from ._tracked import normal_likelihood, tracked_likelihood
 
 # Standard deviations of a line's frequency to either side that its band takes in.
 _REACH = 3.5
-# Bands of fewer ordinates show no line that moves.
-_FEWEST = 24
+# And those in which its sidebands are, if its strength changes.
+_SIDEBANDS = 6.0
+# A band takes in as many ordinates at least, and its middle is sought among so many.
+_FEWEST, _FEW = 48, 2.0
 # More moments of a band than this tell nothing that matters.
 _MOST = 8192
 # Of the width that is told the other shape starts at these parts.
@@ -27,25 +31,29 @@ _ALIKE = 1.2
 _LINE, _RESONANCE = "drifting_line", "resonance"
 
 
-def tell_apart(state: Investigation) -> None:
-    """Give each narrow noise that stands alone the name that its course in time asks for."""
+def tell_apart(state: Investigation) -> dict[int, float]:
+    """Give each narrow noise that stands alone the name that its course in time asks for.
+
+    Returns what tracking gains for those that are lines, in log-likelihood, by their place.
+    """
     if not narrow_groups(state):
-        return
+        return {}
     resolve(state)
     white = whitened_piece(state, state.longest, model_only=True)
+    gains = {}
     for group in narrow_groups(state):
         if len(group) == 1:
-            _tell(state, white, group[0])
+            (one,) = group
+            gains[one.place] = _tell(state, white, one)
+    return gains
 
 
-def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow) -> None:
+def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow) -> float:
     finding = _finding(state, one)
     if finding is None:
-        return
+        return 0.0
     fitted = {name: _as(state, one, name) for name in NARROW}
     tracked = _tracked(state, white, one, fitted[_LINE])
-    if tracked is None:
-        return
     # As twice the log of the odds, which scores are.
     gain = fitted[_RESONANCE].deviance - fitted[_LINE].deviance + 2 * tracked
     gain += _search.rarity(fitted[_LINE], state.data, one.place)
@@ -55,6 +63,34 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     finding.rivals |= {best: top, other: top - abs(gain)}
     finding.name = best
     state.model = fitted[best]
+    return tracked if best == _LINE else 0.0
+
+
+def in_one_phase(
+    state: Investigation, white: Float[np.ndarray, " samples"], group: list[Narrow]
+) -> OnePhase | None:
+    """Whether narrow noises are one line whose strength changes; None in wide bands."""
+    samples = float(state.data.samples)
+    main = min(group, key=_spread)
+    spread = max(_spread(each) + abs(each.middle - main.middle) for each in group)
+    half = max(_SIDEBANDS * spread, _FEWEST / 2 / white.size)
+    if 2 * half * white.size > _MOST:
+        return None
+    found = alone(state, white, group, main.middle, half)
+    level = float(np.interp(main.middle, found.frequency, found.level))
+
+    def excess(order: np.ndarray) -> np.ndarray:
+        aside = order / white.size
+        above, below = (density_of(group, main.middle + end * aside, samples) for end in (1, -1))
+        return (above + below) / 2 / level
+
+    middle = (main.middle - found.frequency[0]) * white.size
+    return one_phase(found.band, middle, max(2 * _spread(main) * white.size, _FEW), excess)
+
+
+def _spread(one: Narrow) -> float:
+    """The standard deviation of a line's frequency, or what looks like it."""
+    return one.width if one.name == _LINE else one.width / (2 * _ALIKE)
 
 
 def _finding(state: Investigation, one: Narrow) -> Finding | None:
@@ -85,33 +121,19 @@ def _as(state: Investigation, one: Narrow, name: str) -> Model:
 
 def _tracked(
     state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow, line: Model
-) -> float | None:
-    """What a line gains when it is tracked, over normal noise of its spectrum.
-
-    None in bands that are too narrow.
-    """
+) -> float:
+    """What a line gains when it is tracked, over normal noise of its spectrum."""
     samples = float(state.data.samples)
     begin = line.kinds.first_slot + EACH * one.place
     three = line.theta[begin : begin + EACH]
     middle, breadth = (float(each) for each in shape_of(_LINE, three, samples))
     width = middle * breadth
-    low, high = max(middle - _REACH * width, 1 / samples), min(middle + _REACH * width, 0.5)
-    ordinates = inside(white.size, low, high)
-    frequency = np.arange(ordinates.start, ordinates.stop) / white.size
-    if frequency.size < _FEWEST:
-        return None
-    level = beside(state, [one], frequency)
-    excess = np.asarray(added_density(_LINE, three, points(frequency), samples)) / level
-    # The record is white with what is in the band now; the level stands beside it.
-    made_white = np.interp(frequency, state.left.frequency, state.variance)
-    flat = np.fft.fft(narrow_band(white, low, high)) * np.sqrt(made_white / level)
-    band = np.fft.ifft(flat)[:_MOST]
-    excess_in_part = np.interp(
-        np.linspace(0, 1, band.size, endpoint=False),
-        np.linspace(0, 1, excess.size, endpoint=False),
-        excess,
-    )
-    place = (middle * white.size - ordinates.start) / frequency.size
+    found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
+    frequency, band = found.frequency, found.band[:_MOST]
+    density = added_density(_LINE, three, points(frequency), samples)
+    excess = np.asarray(density) / found.level
+    part = np.arange(band.size) / band.size * excess.size
+    normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
+    place = (middle - frequency[0]) * white.size / frequency.size
     spread = width * white.size / frequency.size
-    tracked = tracked_likelihood(band, place, spread, float(np.mean(excess)))
-    return tracked - normal_likelihood(band, excess_in_part)
+    return tracked_likelihood(band, place, spread, float(np.mean(excess))) - normal

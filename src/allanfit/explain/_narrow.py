@@ -10,6 +10,8 @@ from ._moving import Band
 from ._ordinates import bin_edges, points
 from ._state import Investigation, rebin
 from ._structure import EACH, NARROW, added_density, effects_density, shape_of
+from ._tracked import Band as Moved
+from ._tracked import inside, narrow_band
 
 # Bins within a width to either side of a peak that show its shape.
 _RESOLVED = 6
@@ -73,13 +75,49 @@ def beside(
     return np.exp(np.interp(np.log(frequency), np.log(bins.frequency[bins.used]), np.log(rest)))
 
 
+def density_of(
+    group: list[Narrow], frequency: Float[np.ndarray, " _"], samples: float
+) -> Float[np.ndarray, " _"]:
+    """What a group puts into ordinates at some frequencies [u^2]."""
+    nodes = points(frequency)
+    densities = [added_density(each.name, each.three, nodes, samples) for each in group]
+    return np.sum([np.asarray(density) for density in densities], axis=0)
+
+
+class Moment(NamedTuple):
+    """A band moved to zero, in which white noise beside a group has a mean square of one."""
+
+    band: Moved
+    #: Of its ordinates [cycles per sample], and how much noise stands beside it there [u^2].
+    frequency: Float[np.ndarray, " band"]
+    level: Float[np.ndarray, " band"]
+
+
+def alone(
+    state: Investigation,
+    white: Float[np.ndarray, " samples"],
+    group: list[Narrow],
+    middle: float,
+    half: float,
+) -> Moment:
+    """The band within `half` of a `middle` of the longest stretch, made white beside a group.
+
+    `white` is that stretch made white by all of the model.
+    """
+    low, high = max(middle - half, 1 / white.size), min(middle + half, 0.5)
+    ordinates = inside(white.size, low, high)
+    frequency = np.arange(ordinates.start, ordinates.stop) / white.size
+    level = beside(state, group, frequency)
+    made_white = np.interp(frequency, state.left.frequency, state.variance)
+    flat = np.fft.fft(narrow_band(white, low, high)) * np.sqrt(made_white / level)
+    return Moment(np.fft.ifft(flat), frequency, level)
+
+
 def band_of(state: Investigation, group: list[Narrow], widths: float) -> Band:
     """So many widths to either side of a group, and its share of the power there."""
     samples = float(state.data.samples)
     low = max(min(each.middle - widths * each.width for each in group), 1 / samples)
     high = min(max(each.middle + widths * each.width for each in group), 0.5)
     at = np.linspace(low, high, _SHARES)
-    nodes = points(at)
-    densities = [added_density(each.name, each.three, nodes, samples) for each in group]
-    own = np.sum([np.asarray(density) for density in densities], axis=0)
+    own = density_of(group, at, samples)
     return Band(low, high, at, own / (own + beside(state, group, at)))

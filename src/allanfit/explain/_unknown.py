@@ -19,9 +19,10 @@ from ._held_out_values import of_swing
 from ._intervals import runs
 from ._lasting import forget_loud_times
 from ._leakage import take_bump
-from ._line_or_resonance import tell_apart
+from ._line_or_resonance import in_one_phase, tell_apart
 from ._moving import Band, moving
 from ._narrow import Narrow, band_of, narrow_groups
+from ._one_phase import OnePhase
 from ._ordinates import points
 from ._search import Model
 from ._spread import PULLED_IN, uneven
@@ -35,6 +36,8 @@ _INSIDE = 2 * float(np.log(19))
 _REACH, _REACHES = 3.0, (1.0, 2.0, 3.0)
 # A pulse is looked for from so many periods on, and must be as unlikely.
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
+# Half of its frequency is a pulse's own if so many times the power beside it is there.
+_SUBHARMONIC = 9.0
 # A filter's corner moves if chance says so as rarely, and it gains such a part of the filter.
 _CORNER, _CORNER_SHARE = 1e-4, 0.05
 # What changes below such a part of it is no filter's doing.
@@ -60,15 +63,17 @@ class Unknown(NamedTuple):
     in_time: bool = False
     #: What makes such things.
     like: str = ""
+    #: When, as `[start, stop)` in values, if not always.
+    times: tuple[tuple[int, int], ...] = ()
 
 
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
     _only_lines_were_loud(state)
-    tell_apart(state)
+    tracked = tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
     _combs(state)
-    _sweeps(state, white)
+    _sweeps(state, white, tracked)
     _turns(state)
     broad = _broad(state, white)
     _swing(state, broad)
@@ -121,26 +126,52 @@ def _comb(state: Investigation, lines: list[float]) -> None:
     state.unknown.append(Unknown(middle, max(width, 1e-6), why, 1 / gap))
 
 
-def _sweeps(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
-    """Lines that move through their band, or come and go."""
+def _sweeps(
+    state: Investigation, white: Float[np.ndarray, " samples"], tracked: dict[int, float]
+) -> None:
+    """Lines that move through their band, or come and go; `tracked` is from `tell_apart`."""
     for group in narrow_groups(state):
         main = max(group, key=lambda each: each.width)
         band = band_of(state, group, _REACH)
         path = moving(white, band)
         if path is not None and path.log_p > np.log(state.alarm):
             path = None
-        why, period = "", 0.0
+        why, period, switched = "", 0.0, None
         if path is not None and path.even:
             why = "a line that sweeps through the band in the course of the recording"
         elif period := _pulse_of(state, white, group):
             why = "a line that comes and goes"
+        elif switched := _switched(state, white, group, tracked):
+            why = "a line of one frequency and phase whose strength changes"
         elif path is not None:
             # Whatever its shape, a resonance it is not.
             state.wandering |= {each.place for each in group}
         if why:
             state.disowned_noises |= {each.place for each in group}
             width = max(main.width / main.middle, 1e-6)
-            state.unknown.append(Unknown(main.middle, width, why, period))
+            times = _times_on(state, switched)
+            state.unknown.append(Unknown(main.middle, width, why, period, times=times))
+
+
+def _switched(
+    state: Investigation,
+    white: Float[np.ndarray, " samples"],
+    group: list[Narrow],
+    tracked: dict[int, float],
+) -> OnePhase | None:
+    """A line whose strength changes, if that says more than the name that the group has."""
+    found = in_one_phase(state, white, group)
+    known = max(tracked.get(each.place, 0.0) for each in group)
+    return found if found is not None and 2 * (found.gain - known) > _INSIDE else None
+
+
+def _times_on(state: Investigation, line: OnePhase | None) -> tuple[tuple[int, int], ...]:
+    """When a line is on, in values, if that is one interval."""
+    if line is None or line.on is None:
+        return ()
+    start, stop = state.longest
+    first, last = (round(start + part * (stop - start)) for part in line.on)
+    return ((first, last),)
 
 
 def _turns(state: Investigation) -> None:
@@ -199,6 +230,9 @@ def _pulse(white: Float[np.ndarray, " samples"], band: Band) -> float:
     depth = 2 * np.sqrt(size) / max(np.sum(power) * share, 1e-300)
     if log_p > np.log(_PULSED) or depth < _DEPTH:
         return 0.0
+    # Fewer bursts than are looked for show by their harmonics.
+    while beat >= 4 and ratio[round(beat / 2)] > _SUBHARMONIC:
+        beat /= 2
     return white.size / beat
 
 
