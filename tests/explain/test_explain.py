@@ -166,3 +166,26 @@ def test_two_resonances_differ_in_two_places(tmp_path):
     bands = sorted((entry["low"], entry["high"]) for entry in found["mismatch"])
     for (low, high), frequency in zip(bands, (3.0, 12.0), strict=True):
         assert low < frequency < high
+
+
+def test_the_square_of_temperature_is_told(tmp_path):
+    """A room that swings by 2 K: bias of 0.01 K^-2 of its square, in deg/s, and none of itself."""
+    time = np.arange(SAMPLES) / RATE
+    kelvin = 2 * np.sin(2 * np.pi * 3 * time / time[-1]) + np.sin(2 * np.pi * 7 * time / time[-1])
+    path = tmp_path / "log.npz"
+    np.savez(
+        path,
+        gyro_x=noise(17) + 0.01 * (kelvin - kelvin.mean()) ** 2,
+        temperature=25 + kelvin,
+        rate_hz=RATE,
+        units='{"gyro_x": "deg/s", "temperature": "degC"}',
+    )
+    found = explain_recording(allanfit.load(path), posterior=False).to_dict()["channels"][0]
+    (effect,) = found["effects"]
+    assert effect["name"] == "temperature"
+    assert effect["parameters"]["quadratic"]["unit"] == "deg/s/K^2"
+    low, high = effect["parameters"]["quadratic"]["intervals"]["0.95"]
+    assert low < 0.01 < high < 0.015
+    low, high = effect["parameters"]["sensitivity"]["intervals"]["0.95"]
+    assert low < 0 < high
+    assert "not temperature but the square" in effect["sentence"]

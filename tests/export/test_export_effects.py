@@ -247,7 +247,7 @@ def test_effects_in_another_unit():
     for name, parameters in {
         "gauss_markov": {"sigma": 2, "correlation_time": 0.1},
         "power_law": {"exponent": 1.2, "density": 3},
-        "temperature": {"sensitivity": 2},
+        "temperature": {"sensitivity": 2, "quadratic": 3},
         "vibration_rectification": {"coefficient": 0.3},
         "sinusoid": {"amplitude": 1, "frequency": 3},
         "sample_hold": {"repeat": 3},
@@ -263,6 +263,7 @@ def test_effects_in_another_unit():
     }
     assert units["power_law", "density"] == "(deg/s)^2/Hz"
     assert units["temperature", "sensitivity"] == "deg/s/K"
+    assert units["temperature", "quadratic"] == "deg/s/K^2"
     assert units["vibration_rectification", "coefficient"] == "1/(deg/s)"
     assert units["saturation", "limit"] == "deg/s"
     assert units["warm_up", "time_constant"] == "s"

@@ -40,7 +40,7 @@ CONTRACT = {
     ],
     "power_law": ["exponent", "density"],
     "random_telegraph": ["amplitude", "dwell_time", "upper_share"],
-    "temperature": ["sensitivity", "time_scale"],
+    "temperature": ["sensitivity", "time_scale", "quadratic"],
     "warm_up": ["amplitude", "time_constant"],
     "step": ["amplitude", "times", "heights"],
     "outliers": ["fraction", "amplitude"],

@@ -44,6 +44,8 @@ _TELEGRAPH = 0.15
 # Levels are held for different times if their shares differ by so many standard deviations.
 _UNEVEN = 3.0
 _MOST_TELEGRAPH = 0.96
+# A sensitivity changes with temperature if its square's is so many standard deviations from zero.
+_BENT = 3.0
 
 
 def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) -> list[Effect]:
@@ -270,7 +272,7 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
         elif course.name == "sinusoid":
             found.append(_sinusoid(course, sizes, own, others, dt, rng))
         elif course.name == "temperature":
-            felt.append(sizes[:, 0])
+            felt.append(sizes)
         else:
             # Rectified vibration, per unit of a vibration that is itself known roughly.
             assert state.modulation is not None
@@ -280,7 +282,11 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     if felt:
         # Felt late by several thermal masses, slow changes by all of them.
         own, others = _probabilities(state.finding("temperature"), "temperature")
-        found.append(Effect("temperature", own, others, {"sensitivity": np.sum(felt, axis=0)}))
+        linear, square = np.sum(felt, axis=0).T
+        values = {"sensitivity": linear}
+        if abs(np.mean(square)) > _BENT * np.std(square):
+            values["quadratic"] = square
+        found.append(Effect("temperature", own, others, values))
     if steps:
         heights = np.array([np.median(size) for _, size, _, _ in steps])
         sign = np.sign(heights.sum()) or 1.0

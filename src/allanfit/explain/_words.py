@@ -1,5 +1,6 @@
 """Sentences about effects, as an engineer would say them."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             "white, flicker nor random walk."
         ),
         "temperature": lambda: (
-            f"The output follows temperature by {told('sensitivity')}."
+            _followed(shown, told)
             if "sensitivity" in shown
             else f"A slow swing with a period of {told('time_scale')}, as temperature makes; "
             "no temperature was recorded to tell."
@@ -116,6 +117,17 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
     }
     return sentences[effect.name]()
+
+
+def _followed(shown: Parameters, told: Callable[[str], str]) -> str:
+    """How temperature moves the output."""
+    if "quadratic" not in shown:
+        return f"The output follows temperature by {told('sensitivity')}."
+    low, high = shown["sensitivity"]["intervals"]["0.95"]
+    square = f"the square of its distance from its mean by {told('quadratic')}"
+    if low < 0 < high:
+        return f"The output follows not temperature but {square}."
+    return f"The output follows temperature by {told('sensitivity')} at its mean, and {square}."
 
 
 def _held(shown: Parameters) -> float:

@@ -60,7 +60,7 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 _AXES = {"times": 1, "heights": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
 _FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass"}
-_SIGNED = {"amplitude", "height", "sensitivity", "coefficient", "droop", "low", "high"}
+_SIGNED = {"amplitude", "height", "sensitivity", "quadratic", "coefficient", "droop", "low", "high"}
 # Of the others, those that have bounds other than zero.
 _RANGES = {
     "sigma": (0.0, math.inf),

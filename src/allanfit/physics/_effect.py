@@ -19,7 +19,8 @@ class Parameter(NamedTuple):
 
     #: As in explain's JSON.
     name: str
-    #: With `u` for the unit of the channel: "u", "s", "Hz", "u^2/Hz", "u/K", "1/u", "" for none.
+    #: With `u` for the unit of the channel: "u", "s", "Hz", "u^2/Hz", "u/K", "u/K^2", "1/u", or ""
+    #: for none.
     unit: str
     #: The field of the class that holds it, where a method has its name.
     field: str = ""

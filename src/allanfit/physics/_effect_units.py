@@ -8,7 +8,7 @@ from ._catalogue import field_of
 from ._effect import AbstractEffect, Parameter
 
 # Powers of the channel's unit in a parameter's.
-_POWERS = {"u": 1, "u^2/Hz": 2, "u/K": 1, "1/u": -1}
+_POWERS = {"u": 1, "u^2/Hz": 2, "u/K": 1, "u/K^2": 1, "1/u": -1}
 
 
 def unit_power(parameter: Parameter) -> int:
@@ -29,7 +29,7 @@ def parameter_unit(parameter: Parameter, unit: str) -> str:
     if parameter.unit not in _POWERS:
         return parameter.unit
     unit = unit or "1"
-    alone = parameter.unit in ("u", "u/K")
+    alone = parameter.unit in ("u", "u/K", "u/K^2")
     return parameter.unit.replace("u", unit if alone or unit.isalnum() else f"({unit})")
 
 
