@@ -10,11 +10,12 @@ from ._moving import Band
 from ._ordinates import bin_edges, points
 from ._state import Investigation, rebin
 from ._structure import EACH, NARROW, added_density, effects_density, shape_of
-from ._tracked import Band as Moved
-from ._tracked import inside, narrow_band
+from ._tracked import Baseband, inside, narrow_band
 
 # Bins within a width to either side of a peak that show its shape.
 _RESOLVED = 6
+# Beside the strongest peak there is such a part of its density at least.
+_LEAST = 1e-12
 # A band's share of the power is told at so many frequencies.
 _SHARES = 512
 
@@ -71,7 +72,9 @@ def beside(
     bins = state.data.bins
     every = np.asarray(effects_density(state.model.theta, state.model.kinds, state.data))
     own = np.sum([every[each.place] for each in group], axis=0)
-    rest = (_search.mean_density(state.model, state.data) - own)[bins.used]
+    total = _search.mean_density(state.model, state.data)
+    # A difference of two that are nearly equal is still some noise.
+    rest = np.maximum(total - own, _LEAST * total)[bins.used]
     return np.exp(np.interp(np.log(frequency), np.log(bins.frequency[bins.used]), np.log(rest)))
 
 
@@ -84,10 +87,10 @@ def density_of(
     return np.sum([np.asarray(density) for density in densities], axis=0)
 
 
-class Moment(NamedTuple):
+class Demodulated(NamedTuple):
     """A band moved to zero, in which white noise beside a group has a mean square of one."""
 
-    band: Moved
+    band: Baseband
     #: Of its ordinates [cycles per sample], and how much noise stands beside it there [u^2].
     frequency: Float[np.ndarray, " band"]
     level: Float[np.ndarray, " band"]
@@ -99,7 +102,7 @@ def alone(
     group: list[Narrow],
     middle: float,
     half: float,
-) -> Moment:
+) -> Demodulated:
     """The band within `half` of a `middle` of the longest stretch, made white beside a group.
 
     `white` is that stretch made white by all of the model.
@@ -110,7 +113,7 @@ def alone(
     level = beside(state, group, frequency)
     made_white = np.interp(frequency, state.left.frequency, state.variance)
     flat = np.fft.fft(narrow_band(white, low, high)) * np.sqrt(made_white / level)
-    return Moment(np.fft.ifft(flat), frequency, level)
+    return Demodulated(np.fft.ifft(flat), frequency, level)
 
 
 def band_of(state: Investigation, group: list[Narrow], widths: float) -> Band:

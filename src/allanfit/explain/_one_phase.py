@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ive, logsumexp
 
-from ._tracked import Band
+from ._tracked import Baseband
 
 # Frequencies that are tried, in parts of an ordinate.
 _APART = 0.25
@@ -32,7 +32,7 @@ class OnePhase(NamedTuple):
 
 
 def one_phase(
-    band: Band, middle: float, reach: float, excess: Callable[[np.ndarray], np.ndarray]
+    band: Baseband, middle: float, reach: float, excess: Callable[[np.ndarray], np.ndarray]
 ) -> OnePhase:
     """Whether all power of a band is in phase with one frequency.
 
@@ -67,7 +67,7 @@ def one_phase(
     return OnePhase(gain, best, _on(band * np.exp(-2j * np.pi * best * time / band.size)))
 
 
-def _on(turned: Band) -> tuple[float, float] | None:
+def _on(turned: Baseband) -> tuple[float, float] | None:
     """The interval, as parts of the record, in which nearly all of a line's power is, if any."""
     phase = np.angle(np.sum(turned**2)) / 2
     envelope = (turned * np.exp(-1j * phase)).real

@@ -18,10 +18,10 @@ _MEMORIES = (10.0, 30.0, 100.0, 300.0, 1000.0)
 # Steps of which a normal distribution is sampled well.
 _SMOOTH = 0.6
 
-Band = Complex[np.ndarray, " band"]
+Baseband = Complex[np.ndarray, " band"]
 
 
-def narrow_band(white: Float[np.ndarray, " samples"], low: float, high: float) -> Band:
+def narrow_band(white: Float[np.ndarray, " samples"], low: float, high: float) -> Baseband:
     """A band of a white record, moved to zero and taken as often as it has ordinates.
 
     Its samples are independent and complex normal, with a mean square of one.
@@ -36,7 +36,7 @@ def inside(samples: int, low: float, high: float) -> slice:
     return slice(max(int(low * samples), 1), min(int(np.ceil(high * samples)), last))
 
 
-def normal_likelihood(band: Band, excess: Float[np.ndarray, " band"]) -> float:
+def normal_likelihood(band: Baseband, excess: Float[np.ndarray, " band"]) -> float:
     """Log-likelihood of normal noise in the band, over that of white noise alone.
 
     `excess` is its density over that of white noise, at frequencies evenly across the band.
@@ -45,7 +45,7 @@ def normal_likelihood(band: Band, excess: Float[np.ndarray, " band"]) -> float:
     return float(np.sum(power * excess / (1 + excess) - np.log1p(excess)))
 
 
-def tracked_likelihood(band: Band, middle: float, width: float, power: float) -> float:
+def tracked_likelihood(band: Baseband, middle: float, width: float, power: float) -> float:
     """Log-likelihood of a line that wanders in the band, over that of white noise alone.
 
     `middle` and `width` are mean and standard deviation of its frequency as parts of the band, and
