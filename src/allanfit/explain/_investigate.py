@@ -24,7 +24,7 @@ from ._lasting import about_spread, loudness
 from ._leakage import take_bump
 from ._lines import line_log_chance
 from ._means import Course
-from ._narrow import narrow_groups
+from ._narrow import narrow_noises
 from ._rounded import about_angle, about_format
 from ._rounds import LINE_ALARM, take_one, take_strong_lines
 from ._state import (
@@ -37,7 +37,6 @@ from ._state import (
     refit,
     resize,
 )
-from ._structure import EACH, TERMS, shape_of
 from ._switches import switches_only
 from ._unknown import look_again
 
@@ -234,8 +233,6 @@ def _leftover(state: Investigation) -> None:
 
 def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
     """Whether a bump is about a line or a resonance of the model."""
-    three = bump.model.theta[TERMS : TERMS + EACH]
-    shaping = bump.model.kinds.shaping or ""
-    middle = float(shape_of(shaping, three, float(state.data.samples))[0])
-    peaks = (one for group in narrow_groups(state) for one in group)
+    middle, _ = _search.shaping_shape(bump.model, state.data)
+    peaks = narrow_noises(state.model, float(state.data.samples))
     return any(abs(middle - one.middle) < _PEAK * one.width for one in peaks)

@@ -8,12 +8,11 @@ import numpy as np
 from jaxtyping import Float
 
 from . import _search
-from ._narrow import Narrow, alone, density_of, narrow_groups, resolve
+from ._narrow import Narrow, alone, density_of, narrow_groups, narrow_noises, resolve
 from ._one_phase import OnePhase, one_phase
-from ._ordinates import points
 from ._search import Model
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, NARROW, added_density, bounds, free, shape_of
+from ._structure import EACH, NARROW, bounds, free
 from ._tracked import normal_likelihood, tracked_likelihood
 
 # Standard deviations of a line's frequency to either side that its band takes in.
@@ -124,14 +123,11 @@ def _tracked(
 ) -> float:
     """What a line gains when it is tracked, over normal noise of its spectrum."""
     samples = float(state.data.samples)
-    begin = line.kinds.first_slot + EACH * one.place
-    three = line.theta[begin : begin + EACH]
-    middle, breadth = (float(each) for each in shape_of(_LINE, three, samples))
-    width = middle * breadth
+    (fitted,) = (each for each in narrow_noises(line, samples) if each.place == one.place)
+    middle, width = fitted.middle, fitted.width
     found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
     frequency, band = found.frequency, found.band[:_MOST]
-    density = added_density(_LINE, three, points(frequency), samples)
-    excess = np.asarray(density) / found.level
+    excess = density_of([fitted], frequency, samples) / found.level
     part = np.arange(band.size) / band.size * excess.size
     normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
     place = (middle - frequency[0]) * white.size / frequency.size

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from . import _search
 from ._moving import Band
 from ._ordinates import bin_edges, points
+from ._search import Model
 from ._state import Investigation, rebin
 from ._structure import EACH, NARROW, added_density, effects_density, shape_of
 from ._tracked import Baseband, inside, narrow_band
@@ -31,17 +32,22 @@ class Narrow(NamedTuple):
     width: float
 
 
-def narrow_groups(state: Investigation) -> list[list[Narrow]]:
-    """Lines and resonances in groups whose bands meet: several may describe one cause."""
-    kinds, samples = state.model.kinds, float(state.data.samples)
-    found = []
+def narrow_noises(model: Model, samples: float) -> list[Narrow]:
+    """Lines and resonances of a model, in the order of its added noises."""
+    kinds, found = model.kinds, []
     for place, name in enumerate(kinds.added):
         if name in NARROW:
             begin = kinds.first_slot + EACH * place
-            three = state.model.theta[begin : begin + EACH]
+            three = model.theta[begin : begin + EACH]
             first, second = (float(each) for each in shape_of(name, three, samples))
             width = first * second if name == "drifting_line" else first / second
             found.append(Narrow(name, place, three, first, width))
+    return found
+
+
+def narrow_groups(state: Investigation) -> list[list[Narrow]]:
+    """Lines and resonances in groups whose bands meet: several may describe one cause."""
+    found = narrow_noises(state.model, float(state.data.samples))
     groups: list[list[Narrow]] = []
     for one in sorted(found, key=lambda each: each.middle):
         last = groups[-1][-1] if groups else None
@@ -55,7 +61,7 @@ def narrow_groups(state: Investigation) -> list[list[Narrow]]:
 def resolve(state: Investigation) -> None:
     """Bins as fine as the peaks of the model: wider ones say little of a width."""
     coarse = []
-    for one in (each for group in narrow_groups(state) for each in group):
+    for one in narrow_noises(state.model, float(state.data.samples)):
         near = np.abs(state.edges - one.middle) < one.width
         if np.count_nonzero(near) < _RESOLVED:
             coarse.append((one.middle, one.width / 2))

@@ -188,7 +188,7 @@ def _cost(model: Model, data: Data) -> float:
     if not model.kinds.filtering:
         return model.deviance
     lowest = bounds(model.kinds.shaping or "", data.samples)[0][0]
-    if _filter_shape(model, data)[0] < _LOWEST * lowest:
+    if shaping_shape(model, data)[0] < _LOWEST * lowest:
         return np.inf
     quantization, white = np.asarray(data.bins.expected)[data.bins.used][-1, :2]
     power = np.exp(model.theta[:2])
@@ -271,7 +271,7 @@ def _filtered(model: Model, data: Data) -> list[Start]:
 def _drooping(model: Model, data: Data) -> list[Start]:
     """The filter that the model has, of another shape."""
     starts = []
-    cutoff, order = _filter_shape(model, data)
+    cutoff, order = shaping_shape(model, data)
     for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
         theta = model.theta.copy()
         theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
@@ -281,7 +281,7 @@ def _drooping(model: Model, data: Data) -> list[Start]:
 
 def _windowed(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     """The filter that the model has, with an edge as steep as it asks for."""
-    cutoff, order = _filter_shape(model, data)
+    cutoff, order = shaping_shape(model, data)
     poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
     starts = []
     for taps in _WINDOWS if (order > _STEEP or poor) and cutoff < 0.5 else ():
@@ -291,8 +291,8 @@ def _windowed(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     return starts
 
 
-def _filter_shape(model: Model, data: Data) -> tuple[float, float]:
-    """The cut-off [cycles per sample] and the order of the filter that the model has."""
+def shaping_shape(model: Model, data: Data) -> tuple[float, float]:
+    """The two shape parameters of what shapes the model: a filter's cut-off and order, say."""
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = shape_of(model.kinds.shaping or "", three, data.samples)
     return float(cutoff), float(order)

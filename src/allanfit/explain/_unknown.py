@@ -21,13 +21,13 @@ from ._lasting import forget_loud_times
 from ._leakage import take_bump
 from ._line_or_resonance import in_one_phase, tell_apart
 from ._moving import Band, moving
-from ._narrow import Narrow, band_of, narrow_groups
+from ._narrow import Narrow, band_of, narrow_groups, narrow_noises
 from ._one_phase import OnePhase
 from ._ordinates import points
 from ._search import Model
 from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, whitened_piece
-from ._structure import EACH, TERMS, UNNAMED, shape_of
+from ._structure import EACH, TERMS, UNNAMED
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -178,8 +178,7 @@ def _turns(state: Investigation) -> None:
     """A line that wanders to and fro dwells where it turns, and looks like a sinusoid there."""
     wandering = [
         one
-        for group in narrow_groups(state)
-        for one in group
+        for one in narrow_noises(state.model, float(state.data.samples))
         if one.name == "drifting_line" and one.place not in state.disowned_noises
     ]
     lines = [course.shape["frequency"] for course in state.lines]
@@ -268,8 +267,7 @@ def _far_below_corner(state: Investigation, frequency: float) -> bool:
 
 def _corner(state: Investigation) -> float:
     """Of the filter in the model [cycles per sample]."""
-    three = state.model.theta[TERMS : TERMS + EACH]
-    return float(shape_of(state.model.kinds.shaping or "", three, float(state.data.samples))[0])
+    return _search.shaping_shape(state.model, state.data)[0]
 
 
 def _corner_moves(
@@ -351,7 +349,7 @@ def _broad(
     """The white record without the bands of lines and resonances."""
     spectrum = np.fft.rfft(white)
     frequency = np.fft.rfftfreq(white.size)
-    for one in (each for group in narrow_groups(state) for each in group):
+    for one in narrow_noises(state.model, float(state.data.samples)):
         # What is broad for its frequency has no band of its own, unless it moves through one.
         if one.width < one.middle / 8 or one.place in state.disowned_noises:
             spectrum[np.abs(frequency - one.middle) < 4 * one.width] = 0.0
