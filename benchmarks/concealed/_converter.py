@@ -178,8 +178,13 @@ class Saturation(Effect):
 
     def strength(self, device):
         """Two a sample on a rail: a handful of equal extremes gives it away."""
-        rails = (np.array([-1, 1]) * self.limit - device.offset) / deviation(device)
-        return float(2 * device.samples * norm.sf(np.abs(rails)).sum())
+        rails = np.abs(np.array([-1, 1]) * self.limit - device.offset)
+        normal = replace(device, coefficients={**device.coefficients, "Q": 0.0})
+        # Of two angle errors, each uniform, the difference is triangular.
+        error = np.linspace(-1, 1, 401) * np.sqrt(12) * device.term("Q") / device.dt
+        chance = 1 - np.abs(np.linspace(-1, 1, 401))
+        beyond = norm.sf((rails[:, None] - error) / deviation(normal))
+        return float(2 * device.samples * np.average(beyond, axis=1, weights=chance).sum())
 
     def scored(self, device):
         return {"limit": self.limit}

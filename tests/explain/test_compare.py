@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
-from allanfit.explain._compare import compared, references
+from allanfit.explain._compare import compared
+from allanfit.explain._references import references
 from allanfit.identify import fit_series
 from allanfit.report._explain_verdict import simulation_sentence
 
@@ -35,7 +36,7 @@ def test_a_simulation_of_the_same_sensor_differs_by_chance_only(tmp_path):
         simulation = written(tmp_path / "b.npz", noise(), "deg/s")
         fit = fit_series(recording.channels[0].samples, RATE)
         (reference,) = references(simulation, recording, "point").values()
-        differing += bool(compared(fit, reference, []))
+        differing += bool(compared(fit, fit, reference, [], [], SAMPLES / RATE))
     assert differing < 4
 
 
@@ -65,14 +66,16 @@ def test_a_simulation_with_the_physics_agrees(shaken):
     (found,) = same.channels
     recording = allanfit.load(one)
     (reference,) = references(bare, recording, "point").values()
-    entries = compared(found.before, reference, found.mismatches, [])
+    entries = compared(found.before, found.after, reference, found.mismatches, [], found.seconds)
     assert entries[0]["cause"] == "physics"
     assert "absent" in simulation_sentence({"mismatch": entries})
     # What the tool says is a simulation too.
     named = one.with_suffix(".json")
     named.write_text(json.dumps(same.to_dict()))
     (reference,) = references(named, recording, "point").values()
-    entries = compared(found.before, reference, found.mismatches, found.mismatches)
+    entries = compared(
+        found.before, found.after, reference, found.mismatches, found.mismatches, found.seconds
+    )
     assert not [each for each in entries if not 0.8 < each["ratio"] < 1.25]
 
 
@@ -82,6 +85,50 @@ def test_a_simulation_with_physics_of_its_own_is_told(shaken):
     (channel,) = found.to_dict()["channels"]
     assert channel["verdict"] == "consistent"
     assert "which the recording has not" in channel["mismatch"][0]["sentence"]
+
+
+def test_physics_that_is_absent_makes_no_coefficient_wrong(shaken, tmp_path):
+    """A resonance makes the N of five terms larger than that of the sensor."""
+    recording = allanfit.load(shaken[0])
+    believed = tmp_path / "believed.yaml"
+    # Noise of unit variance at 100 Hz.
+    believed.write_text(f"unit: deg/s\nN: {np.sqrt(1 / RATE)}\n")
+    found = explain_recording(recording, simulation=believed, posterior=False)
+    (channel,) = found.to_dict()["channels"]
+    assert channel["coefficients_before"]["N"]["value"] > 1.05 * np.sqrt(1 / RATE)
+    assert {entry["coefficient"] for entry in channel["mismatch"]} == {None}
+    assert {entry["absent_from"] for entry in channel["mismatch"]} == {"simulation"}
+    assert "a resonance" in channel["mismatch"][0]["sentence"]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "factor", "said"),
+    [("N", 0.8, "N is too small"), ("K", 3.0, "K is too large"), ("R", 0.0, "it has no R")],
+)
+def test_the_coefficient_that_is_off_is_blamed_and_no_other(tmp_path, wrong, factor, said):
+    true = {"N": 0.1, "K": 0.1, "R": 0.2}
+    rng = np.random.default_rng(8)
+    x = true["N"] * np.sqrt(RATE) * rng.standard_normal(4 * SAMPLES)
+    x += np.cumsum(true["K"] / np.sqrt(RATE) * rng.standard_normal(4 * SAMPLES))
+    x += true["R"] * np.arange(4 * SAMPLES) / RATE
+    recording = allanfit.load(written(tmp_path / "a.npz", x, "deg/s"))
+    believed = tmp_path / "believed.yaml"
+    lines = {**true, wrong: factor * true[wrong]}
+    believed.write_text("unit: deg/s\n" + "".join(f"{s}: {v}\n" for s, v in lines.items() if v))
+    fit = fit_series(recording.channels[0].samples, RATE)
+    (reference,) = references(believed, recording, "point").values()
+    entries = compared(fit, fit, reference, [], [], 4 * SAMPLES / RATE)
+    assert {entry["coefficient"] for entry in entries} == {wrong}
+    assert said in entries[0]["sentence"]
+
+
+def test_a_simulation_without_noise_is_refused(tmp_path):
+    values = np.random.default_rng(9).standard_normal(SAMPLES)
+    recording = allanfit.load(written(tmp_path / "a.npz", values, "deg/s"))
+    believed = tmp_path / "believed.yaml"
+    believed.write_text("R: 0.1\n")
+    with pytest.raises(ValueError, match="no noise to compare"):
+        references(believed, recording, "point")
 
 
 def test_what_measures_something_else_is_refused(tmp_path):

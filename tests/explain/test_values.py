@@ -84,11 +84,11 @@ def test_a_right_sample_at_either_end_is_none():
 
 @pytest.mark.parametrize("share", [0.5, 0.1])
 def test_two_levels_are_told_from_a_normal_process(share):
-    """Of 20 telegraphs of some 60 dwells nearly all are clear, of 20 relaxations hardly one."""
+    """Of ten telegraphs of some 60 dwells nearly all are clear, of ten relaxations hardly one."""
     rng = np.random.default_rng(6)
     length, keep, noise = 4000, 1 - 1 / 32, 0.3
     chances = {"telegraph": [], "relaxation": []}
-    for _ in range(20):
+    for _ in range(10):
         # Both have the autocovariance keep^lag.
         drawn = np.where(rng.random(length) > keep, np.arange(length), 0)
         upper = (rng.random(length) < share)[np.maximum.accumulate(drawn)]
@@ -104,7 +104,7 @@ def test_two_levels_are_told_from_a_normal_process(share):
             if kind == "telegraph":
                 assert found.upper == pytest.approx(upper.mean(), abs=0.03)
     assert np.mean(np.array(chances["telegraph"]) < 1e-3) > 0.85
-    assert np.sum(np.array(chances["relaxation"]) < 1e-2) <= 2
+    assert np.sum(np.array(chances["relaxation"]) < 1e-2) <= 1
 
 
 def test_a_shock_that_reaches_the_rails_is_a_disturbance():

@@ -1,254 +1,237 @@
 """A recording against a simulation: where they differ, and whether a coefficient is to blame."""
 
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.stats import f as fisher
+from scipy.stats import norm
 
-from ..coefficient_units import UNITS
-from ..coefficients import Coefficients, read_coefficients
 from ..curves import unit_scale
-from ..identify import Fit, fit_series
-from ..physics import EFFECTS, SYMBOLS, Sampling
-from ..recording import Channel, Recording, is_recording, load
-from ..recording._load import channel_of
-from ..recording._recording import NoRateError
-from ..recording._units import parse_unit
-from ..simulate import simulate
+from ..identify import Fit
+from ..physics import EFFECTS, SYMBOLS
 from ._mismatch import span
+from ._references import Reference, terms_of
 
 _SIGNIFICANT = 0.005
 # Compared in bands of about an octave.
 _BINS_A_BAND = 5
+# Standard deviations beyond which two coefficients are not one.
+_APART = 2.0
+# Ordinates of a density that is known.
+_EXACT = 1e9
+_RAMP = SYMBOLS.index("R")
+
+Mismatch = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Reference:
-    """What a channel is compared with, at the bins of the recording's own fit."""
+class _Cause(NamedTuple):
+    """What is wrong with the simulation."""
 
-    #: Coefficients Q, N, B, K of the simulation in SI.
-    coefficients: Float[np.ndarray, " terms"]
-    #: Its unit as given, and what that measures: `gyro`, `accelerometer` or `other`.
-    unit: str
-    kind: str
-    #: The simulated channel and its recording, where there is one: what it has beside the five
-    #: terms is found as in any recording.
-    simulated: tuple[Channel, Recording] | None = None
-    #: Frequencies [Hz], densities [u^2/Hz] and ordinates of a simulated recording; None for
-    #: coefficients, whose density is exact.
-    frequency: Float[np.ndarray, " bins"] | None = None
-    density: Float[np.ndarray, " bins"] | None = None
-    ordinates: Float[np.ndarray, " bins"] | None = None
+    why: str
+    #: The coefficient or effect whose size is wrong; None for physics that one of the two lacks.
+    coefficient: str | None = None
+    absent_from: str | None = None
 
-
-def references(
-    simulation: Path | str | Recording | None, recording: Recording, sampling: Sampling
-) -> dict[str, Reference]:
-    """What each channel is compared with, by its name or kind; the only one serves all.
-
-    A simulation without a unit is taken to be in the recording's. Coefficients with effects beside
-    them are simulated, over as long a time.
-
-    **Raises:** `ValueError` when no channel of the simulation goes with one of the recording, or
-    one measures something else.
-    """
-    if simulation is None:
-        return {}
-    if isinstance(simulation, (str, Path)) and not is_recording(Path(simulation)):
-        found = {
-            entry.channel: _of_entry(entry, recording, sampling)
-            for entry in read_coefficients(simulation)
+    @property
+    def fields(self) -> Mismatch:
+        """As a mismatch tells it."""
+        return {
+            "cause": "coefficient" if self.absent_from is None else "physics",
+            "coefficient": self.coefficient,
+            "absent_from": self.absent_from,
         }
-    else:
-        drawn = simulation if isinstance(simulation, Recording) else _loaded(simulation, recording)
-        found = {channel.name: _of_channel(channel, drawn, sampling) for channel in drawn.channels}
-    chosen = _chosen(found, recording)
-    for channel in recording.channels:
-        other = chosen.get(channel.name)
-        if other is not None and {other.kind, channel.kind} == {"gyro", "accelerometer"}:
-            raise ValueError(
-                f"The simulation of {channel.name} is in {other.unit}, the recording in "
-                f"{channel.unit}: they do not measure the same; compare like with like, or "
-                "correct the unit of one."
-            )
-    return chosen
 
 
-def _chosen(found: dict[str, Reference], recording: Recording) -> dict[str, Reference]:
-    names = [channel.name for channel in recording.channels]
-    if len(found) == 1 and not found.keys() & UNITS.keys():
-        return dict.fromkeys(names, next(iter(found.values())))
-    # A data sheet speaks of kinds of sensors.
-    common = {
-        channel.name: found[key]
-        for channel in recording.channels
-        for key in (channel.kind, channel.name)
-        if key in found
-    }
-    if not common:
-        raise ValueError(
-            f"The simulation has channels {', '.join(found)}, the recording has "
-            f"{', '.join(names)}: name one of each alike, or choose one with --channel."
-        )
-    return common
+class _Difference(NamedTuple):
+    """Frequencies [Hz] at which the two differ by more than chance."""
 
+    low: float
+    high: float
+    #: The recording's power over that of the simulation.
+    ratio: float
+    chance: float
+    #: By how much Q, N, B and K differ in power, recording less simulation.
+    off: Float[np.ndarray, " noise"]
+    #: What is none of the five terms in the recording and in the simulation.
+    beyond: tuple[float, float]
 
-def _loaded(path: Path | str, recording: Recording) -> Recording:
-    # A simulator's file may leave out what the recording's user gave on the command line.
-    try:
-        found = load(path)
-    except NoRateError:
-        found = load(path, rate_hz=recording.rate_hz)
-    if any(channel.unit for channel in found.channels):
-        return found
-    return replace(found, channels=tuple(_in_unit(each, recording) for each in found.channels))
-
-
-def _in_unit(channel: Channel, recording: Recording) -> Channel:
-    """A channel without a unit in that of the recording's."""
-    unit = parse_unit(_own_unit(channel.name, recording))
-    return channel_of(channel.name, channel.samples, unit, channel.stretches, channel.findings)
-
-
-def _own_unit(name: str, recording: Recording) -> str:
-    """The unit of the channel that is called so or of such a kind; of the first if none is."""
-    return next(
-        (channel.unit for channel in recording.channels if name in (channel.name, channel.kind)),
-        recording.channels[0].unit,
-    )
-
-
-def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> Reference:
-    unit = parse_unit(entry.unit or _own_unit(entry.channel, recording))
-    if entry.effects:
-        si = entry.times(unit.factor, unit.si_unit)
-        samples = len(recording.channels[0].samples)
-        drawn = simulate(
-            si.values,
-            duration_s=samples / recording.rate_hz,
-            rate_hz=recording.rate_hz,
-            seed=0,
-            sampling=si.sampling,
-            effects=si.effects,
-        )
-        channel = Channel(
-            entry.channel,
-            unit.name,
-            unit.factor,
-            unit.si_unit,
-            unit.kind,
-            np.asarray(drawn, float),
-            ((0, samples),),
-            (),
-        )
-        made = Recording(entry.channel, recording.rate_hz, (channel,), (), (), "")
-        return _of_channel(channel, made, sampling)
-    values = [float(entry.values.get(symbol, 0.0)) * unit.factor for symbol in SYMBOLS[:4]]
-    return Reference(np.array(values), unit.name, unit.kind)
-
-
-def _of_channel(channel: Channel, recording: Recording, sampling: Sampling) -> Reference:
-    rate_hz = recording.rate_hz
-    fit = fit_series(channel.samples, rate_hz, sampling=sampling, stretches=channel.stretches)
-    values = np.array([float(fit.coefficients[symbol]) for symbol in SYMBOLS[:4]])
-    return Reference(
-        values,
-        channel.unit,
-        channel.kind,
-        (channel, recording),
-        np.asarray(fit.design.frequency) * rate_hz,
-        np.asarray(fit.estimate.statistics.density) / rate_hz,
-        np.asarray(fit.design.ordinates),
-    )
+    @property
+    def band(self) -> Mismatch:
+        """Its place, as that of a mismatch."""
+        return {"domain": "frequency", "low": self.low, "high": self.high, "unit": "Hz"}
 
 
 def compared(
-    fit: Fit,
+    before: Fit,
+    after: Fit,
     reference: Reference,
-    found: list[dict[str, Any]],
-    simulated: list[dict[str, Any]] | None = None,
-) -> list[dict[str, Any]]:
-    """Bands in which recording and simulation differ, strongest first.
+    found: Sequence[Mismatch],
+    simulated: Sequence[Mismatch],
+    seconds: float,
+) -> list[Mismatch]:
+    """Where recording and simulation differ, strongest first.
 
-    `found` is where the recording differs from its five terms, and `simulated` where the
-    simulation does, with the names of the effects. What both have is no difference, but for its
-    size. A difference that the recording's own five terms reproduce is one of coefficients, and the
-    term that dominates there is named; another is physics that one of the two does not have.
+    The recording takes so many `seconds`; `before` is its five-term fit, and `after` has its
+    coefficients beside what it was found to have beyond them. `found` is where the recording
+    differs from five terms, and `simulated` where the simulation does, with the names of effects.
+
+    In each band the difference of the two is the sum of what their coefficients differ by, and of
+    what is none of the five terms in either: whichever is the larger is the cause.
     """
-    simulated = simulated or []
-    dt = 1 / float(fit.rate_hz)
-    frequency = np.asarray(fit.design.frequency) / dt
-    density = np.asarray(fit.estimate.statistics.density, float) * dt
-    ordinates = np.asarray(fit.design.ordinates)
-    scale = np.asarray(unit_scale(dt), float)[:4]
-    unit = np.asarray(fit.design.density) * dt
-    own = np.array([float(fit.coefficients[symbol]) for symbol in SYMBOLS[:4]]) / scale
-    model = unit @ own**2
-    bands = range(0, frequency.size, _BINS_A_BAND)
-    entries = []
-    for begin in bands:
+    own, error = terms_of(after)
+    # Coefficients that the record does not allow to be alike.
+    apart = np.abs(own - reference.coefficients) > _APART * np.hypot(error, reference.deviations)
+    bands = []
+    for each in _differences(before, own, reference):
+        which = _coefficient_to_blame(each, apart, bool(found or simulated))
+        if which is None:
+            bands.append((each, _of_physics(each, found, simulated)))
+        else:
+            bands.append((each, _of_size(which, own, reference)))
+    entries = [_entry(*band) for band in _joined(bands)]
+    entries += _ramp(own, error, reference, seconds)
+    for ours, theirs, lacking in (
+        (found, simulated, "simulation"),
+        (simulated, found, "recording"),
+    ):
+        entries += [
+            _unseen(each, lacking)
+            for each in ours
+            if not any(_alike(each, other) for other in theirs)
+            and not any(e["absent_from"] == lacking and _meet(e, each) for e in entries)
+        ]
+    return sorted(entries, key=lambda entry: entry["p_value"])
+
+
+def _differences(
+    before: Fit, own: Float[np.ndarray, " terms"], reference: Reference
+) -> list[_Difference]:
+    dt = 1 / float(before.rate_hz)
+    frequency = np.asarray(before.design.frequency) / dt
+    density = np.asarray(before.estimate.statistics.density, float) * dt
+    ordinates = np.asarray(before.design.ordinates)
+    unit = np.asarray(before.design.density) * dt / np.asarray(unit_scale(dt), float)[:4] ** 2
+    model = unit @ terms_of(before)[0][:4] ** 2
+    begins = range(0, frequency.size, _BINS_A_BAND)
+    found = []
+    for begin in begins:
         part = slice(begin, begin + _BINS_A_BAND)
         end = frequency[begin + _BINS_A_BAND] if begin + _BINS_A_BAND < frequency.size else np.inf
         weight = ordinates[part]
-        drawn, others = _simulated(
-            reference, frequency, model, ordinates, unit / scale**2, part, end
-        )
-        if others == 0:
-            continue
-        # Sums over a band, not ratios of single bins: those of few ordinates have no mean.
-        seen = float(np.sum(weight * density[part] / model[part]) / weight.sum())
-        ratio = seen / drawn
-        chance = _two_sided(ratio, weight.sum(), others, len(bands))
-        if chance > _SIGNIFICANT:
-            continue
-        terms = unit[part] @ np.diag(np.maximum(own, reference.coefficients / scale) ** 2)
-        dominant = SYMBOLS[int(np.argmax(terms.sum(axis=0)))]
-        low, high = float(frequency[part][0]), float(frequency[part][-1])
-        here = {"domain": "frequency", "low": low, "high": high}
-        own_physics = _two_sided(seen, weight.sum(), 1e9, len(bands)) < _SIGNIFICANT
-        both = next((each["effect"] for each in simulated if _meet(each, here)), None)
-        if both is not None and any(_meet(each, here) for each in found):
-            physics, dominant = False, both
+        # As parts of the model, so that steep densities are not those of a band's edge. Sums over
+        # a band, not ratios of single bins: those of few ordinates have no mean.
+        shape = np.average(unit[part] / model[part, None], axis=0, weights=weight)
+        ours, theirs = (shape * each[:4] ** 2 for each in (own, reference.coefficients))
+        seen = float(np.average(density[part] / model[part], weights=weight))
+        if reference.density is None:
+            drawn, count = float(theirs.sum()), _EXACT
         else:
-            physics = own_physics or both is not None
-        if not physics:
-            cause = f"its {_plain(dominant)} is too {'small' if ratio > 1 else 'large'}"
-        elif both is not None:
-            cause = f"it has {EFFECTS[both].what}, which the recording has not"
-        else:
-            cause = "physics is absent from it"
-        entries.append(
-            {
-                "domain": "frequency",
-                "low": low,
-                "high": high,
-                "unit": "Hz",
-                "ratio": ratio,
-                "p_value": chance,
-                "sentence": f"{span(low, high)} the recording has {ratio:.3g} times "
-                f"the power of the simulation: {cause}.",
-                "cause": "physics" if physics else "coefficient",
-                "coefficient": None if physics else dominant,
-                "absent_from": None
-                if not physics
-                else "simulation"
-                if both is None
-                else "recording",
-            }
-        )
-    entries += [
-        {**entry, "cause": "physics", "coefficient": None, "absent_from": "simulation"}
-        for entry in found
-        if not any(_meet(each, entry) for each in entries)
-        and not any(_alike(each, entry) for each in simulated)
+            drawn, count = _simulated(reference, frequency, model, part, end)
+        if count == 0:
+            continue
+        chance = _two_sided(seen / drawn, weight.sum(), count, len(begins))
+        if chance < _SIGNIFICANT:
+            beyond = seen - float(ours.sum()), drawn - float(theirs.sum())
+            low, high = (float(frequency[part][end]) for end in (0, -1))
+            found.append(_Difference(low, high, seen / drawn, chance, ours - theirs, beyond))
+    return found
+
+
+def _coefficient_to_blame(
+    one: _Difference, apart: Bool[np.ndarray, " terms"], more_is_known: bool
+) -> int | None:
+    """Which coefficient makes two differ in a band; None where it is physics.
+
+    `more_is_known` where either has physics beyond the five terms; else all is their coefficients.
+    """
+    way = 1 if one.ratio > 1 else -1
+    off = way * one.off
+    clear = apart[:4] & (off > 0)
+    which = int(np.argmax(np.where(clear, off, -np.inf) if np.any(clear) else off))
+    if not more_is_known:
+        return which if off[which] > 0 else None
+    larger = off.sum() > way * (one.beyond[0] - one.beyond[1])
+    return which if larger and clear[which] else None
+
+
+def _ramp(
+    terms: Float[np.ndarray, " terms"],
+    deviations: Float[np.ndarray, " terms"],
+    reference: Reference,
+    seconds: float,
+) -> list[Mismatch]:
+    """How the two drift throughout, if they differ in it."""
+    own, theirs = float(terms[_RAMP]), float(reference.coefficients[_RAMP])
+    error = np.hypot(deviations[_RAMP], reference.deviations[_RAMP])
+    chance = 2 * float(norm.sf(abs(own - theirs), scale=error))
+    if chance > _SIGNIFICANT:
+        return []
+    ratio = own / theirs if theirs > 0 else None
+    cause = _of_size(_RAMP, terms, reference)
+    size = "by more than the simulation" if ratio is None else f"{ratio:.3g} times as fast as it"
+    return [
+        {
+            "domain": "time",
+            "low": 0.0,
+            "high": seconds,
+            "unit": "s",
+            "ratio": ratio,
+            "p_value": chance,
+            "sentence": f"Throughout the recording drifts {size}: {cause.why}.",
+            **cause.fields,
+        }
     ]
-    return sorted(_joined(entries), key=lambda entry: entry["p_value"])
 
 
-def _meet(one: dict[str, Any], other: dict[str, Any]) -> bool:
+def _of_size(which: int, terms: Float[np.ndarray, " terms"], reference: Reference) -> _Cause:
+    """Of a coefficient, by its size in the recording and in the simulation."""
+    symbol, own, theirs = SYMBOLS[which], terms[which], reference.coefficients[which]
+    if theirs == 0:
+        return _Cause(f"it has no {symbol}", symbol)
+    way = "small" if own > theirs else "large"
+    factor = f", {theirs / own:.3g} times the recording's" if own > 0 else ""
+    return _Cause(f"its {symbol} is too {way}{factor}", symbol)
+
+
+def _of_physics(
+    one: _Difference, found: Sequence[Mismatch], simulated: Sequence[Mismatch]
+) -> _Cause:
+    """What is beyond the five terms in a band: in the recording, in the simulation, or both."""
+    ours, theirs = ([e for e in each if _meet(e, one.band)] for each in (found, simulated))
+    if ours or theirs:
+        is_ours = _is_more(one) if ours and theirs else bool(ours)
+    else:
+        is_ours = _is_more(one)
+        # What changes in time has no band of its own.
+        ours, theirs = ([e for e in each if e["domain"] == "time"] for each in (found, simulated))
+    both = [each["effect"] for each in ours if each["effect"] in {e["effect"] for e in theirs}]
+    if both:
+        way = "small" if one.ratio > 1 else "large"
+        return _Cause(f"its {both[0].replace('_', ' ')} is too {way}", both[0])
+    what = " and ".join({EFFECTS[e["effect"]].what: 0 for e in (ours if is_ours else theirs)})
+    if is_ours:
+        said = "physics is absent from it" + (f" ({what})" if what else "")
+        return _Cause(said, None, "simulation")
+    return _Cause(f"it has {what or 'physics'}, which the recording has not", None, "recording")
+
+
+def _is_more(one: _Difference) -> bool:
+    """Whether the recording has more beyond the five terms, or less, than the simulation has."""
+    return abs(one.beyond[0]) > abs(one.beyond[1])
+
+
+def _unseen(entry: Mismatch, lacking: str) -> Mismatch:
+    """What only one of the two has, and no band shows as a difference."""
+    said = entry["sentence"]
+    if lacking == "recording":
+        what = EFFECTS[entry["effect"]].what
+        said = f"The simulation has {what}, which the recording has not."
+    return {**entry, "sentence": said, **_Cause(said, None, lacking).fields}
+
+
+def _meet(one: Mismatch, other: Mismatch) -> bool:
     return (
         one["domain"] == other["domain"]
         and one["low"] <= other["high"]
@@ -256,30 +239,24 @@ def _meet(one: dict[str, Any], other: dict[str, Any]) -> bool:
     )
 
 
-def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
+def _alike(one: Mismatch, other: Mismatch) -> bool:
     """Whether two effects are one kind of thing: of one name, and of one band if it has a band."""
     if one["domain"] == other["domain"] == "time":
         return one["effect"] == other["effect"]
     return _meet(one, other)
 
 
-def _plain(name: str) -> str:
-    return name if len(name) == 1 else name.replace("_", " ")
-
-
 def _simulated(
     reference: Reference,
     frequency: Float[np.ndarray, " bins"],
     model: Float[np.ndarray, " bins"],
-    ordinates: Float[np.ndarray, " bins"],
-    unit: Float[np.ndarray, "bins terms"],
     part: slice,
     end: float,
 ) -> tuple[float, float]:
-    """Mean density of the simulation over the recording's model in a band, and its ordinates."""
-    if reference.density is None or reference.frequency is None or reference.ordinates is None:
-        exact = (unit @ reference.coefficients**2)[part] / model[part]
-        return float(np.average(exact, weights=ordinates[part])), 1e9
+    """Mean density of a simulated recording over the recording's model, and its ordinates."""
+    assert reference.frequency is not None
+    assert reference.density is not None
+    assert reference.ordinates is not None
     inside = (reference.frequency >= 0.999 * frequency[part][0]) & (reference.frequency < end)
     weight, at = reference.ordinates[inside], reference.frequency[inside]
     if not weight.size:
@@ -294,30 +271,27 @@ def _two_sided(ratio: float, ordinates: float, others: float, tests: int) -> flo
     return min(1.0, 2 * tests * min(above, below))
 
 
-def _joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _joined(bands: list[tuple[_Difference, _Cause]]) -> list[tuple[_Difference, _Cause]]:
     """Neighbouring bands with one cause, as one."""
-    kept: list[dict[str, Any]] = []
-    for entry in sorted(entries, key=lambda each: (each["domain"], each["low"])):
-        last = kept[-1] if kept else None
-        if (
-            last is not None
-            and last["domain"] == entry["domain"] == "frequency"
-            and (last["cause"], last["coefficient"]) == (entry["cause"], entry["coefficient"])
-            and (last["ratio"] > 1) == (entry["ratio"] > 1)
-        ):
-            strongest = min(last, entry, key=lambda each: each["p_value"])
-            cause = strongest["sentence"].rpartition(": ")[2]
-            ratio = max(last["ratio"], entry["ratio"], key=lambda each: abs(np.log(each)))
-            extreme = "up" if ratio > 1 else "down"
-            last.update(
-                high=entry["high"],
-                ratio=ratio,
-                p_value=strongest["p_value"],
-                sentence=f"{span(last['low'], entry['high'])} the recording has "
-                f"{extreme} to {ratio:.3g} times the power of the simulation: {cause}"
-                if ": " in strongest["sentence"]
-                else strongest["sentence"],
-            )
-        else:
-            kept.append(dict(entry))
+    kept: list[tuple[_Difference, _Cause]] = []
+    for one, cause in bands:
+        last, before = kept[-1] if kept else (one, None)
+        if before is None or before[1:] != cause[1:] or (last.ratio > 1) != (one.ratio > 1):
+            kept.append((one, cause))
+            continue
+        strongest = before if last.chance < one.chance else cause
+        extreme = max(last, one, key=lambda each: abs(np.log(each.ratio)))
+        chance = min(last.chance, one.chance)
+        kept[-1] = extreme._replace(low=last.low, high=one.high, chance=chance), strongest
     return kept
+
+
+def _entry(one: _Difference, cause: _Cause) -> Mismatch:
+    return {
+        **one.band,
+        "ratio": one.ratio,
+        "p_value": one.chance,
+        "sentence": f"{span(one.low, one.high)} the recording has {one.ratio:.3g} times "
+        f"the power of the simulation: {cause.why}.",
+        **cause.fields,
+    }

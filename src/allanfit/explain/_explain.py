@@ -18,7 +18,7 @@ from ..physics import EFFECTS, Sampling, parameter_unit, unit_power
 from ..recording import Channel, Recording
 from ..temperature import believable, beside
 from ._after import fit_after
-from ._compare import Reference, compared, references
+from ._compare import compared
 from ._curves import explained_curves
 from ._effect import Effect
 from ._effects import effects_of
@@ -26,6 +26,7 @@ from ._held_out import HeldOut, held_out
 from ._investigate import ALARM, investigate
 from ._mismatch import mismatches
 from ._posterior import sample_structure
+from ._references import Reference, references, terms_of
 from ._state import Investigation
 from ._structure import active
 from ._words import effect_sentence
@@ -57,6 +58,17 @@ class ChannelExplanation:
         return mismatches(self.state, self.effects, dt)
 
     @property
+    def best(self) -> Fit:
+        """The fit with what was left out in the model, if anything was."""
+        return self.after or self.before
+
+    @property
+    def seconds(self) -> float:
+        """How long the recording takes."""
+        dt = self.state.stride / float(self.before.rate_hz)
+        return float(self.state.moment(self.state.values.size) * dt)
+
+    @property
     def verdict(self) -> str:
         """`consistent`, `explained` or `unexplained`."""
         if not self.effects:
@@ -85,7 +97,7 @@ class ChannelExplanation:
             "false_alarm_probability": self.false_alarm_probability,
             "mismatch": found
             if self.reference is None
-            else compared(self.before, self.reference, found, list(self.simulated)),
+            else compared(fit, self.best, self.reference, found, self.simulated, self.seconds),
             "compared_with_simulation": self.reference is not None,
             "effects": shown,
             "coefficients_before": plain,
@@ -96,9 +108,7 @@ class ChannelExplanation:
             "witnesses": self.state.witnesses,
             "advice": list(self.advice),
             "findings": list(ChannelFit(channel, fit, None).findings),
-            "curves": explained_curves(
-                fit, self.after or fit, self.state, list(self.effects), factor
-            ),
+            "curves": explained_curves(fit, self.best, self.state, list(self.effects), factor),
         }
 
     @property
@@ -224,7 +234,8 @@ def explain_recording(
     """
     compared_with = references(simulation, recording, sampling)
     alarm = ALARM / len(recording.channels)
-    found, simulated = [], {}
+    found: list[ChannelExplanation] = []
+    simulated: dict[int, ChannelExplanation] = {}
     for channel in recording.channels:
         announce(channel.name)
         explained = _explain_channel(channel, recording, sampling, alarm, posterior, seed)
@@ -233,9 +244,13 @@ def explain_recording(
             # One simulated channel may serve several of the recording.
             if reference.simulated is not None and id(reference) not in simulated:
                 own = _explain_channel(*reference.simulated, sampling, alarm, False, seed)
-                simulated[id(reference)] = tuple(own.mismatches)
-            known = simulated.get(id(reference), ())
-            explained = replace(explained, reference=reference, simulated=known)
+                simulated[id(reference)] = own
+            own = simulated.get(id(reference))
+            if own is not None:
+                values, deviations = terms_of(own.best)
+                reference = replace(reference, coefficients=values, deviations=deviations)
+                explained = replace(explained, simulated=tuple(own.mismatches))
+            explained = replace(explained, reference=reference)
         found.append(explained)
         done()
     return Explanation(recording, tuple(found))
