@@ -53,3 +53,18 @@ def test_a_line_far_above_the_noise_hides_nothing_and_makes_nothing_up():
     assert {finding.name for finding in state.findings} == {"sinusoid"}
     assert sorted(c.shape["frequency"] for c in state.courses) == pytest.approx([0.123, 0.246])
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_a_line_is_one_across_gaps_of_unknown_length():
+    """Where a log is closed up its phase jumps, and it looked like a line that wanders."""
+    rng = np.random.default_rng(4)
+    ends = np.array([0, 5000, 9000, SAMPLES])
+    phase = np.repeat(rng.uniform(0, 2 * np.pi, 3), np.diff(ends))
+    x = rng.standard_normal(SAMPLES)
+    x += 0.3 * np.sin(2 * np.pi * 0.123 * np.arange(SAMPLES) + phase)
+    pieces = tuple(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+    state = investigate(x, pieces, "point", np.array([0.0, np.var(x), 0.0, 0.0]))
+    assert [finding.name for finding in state.findings] == ["sinusoid"]
+    assert state.sized is not None
+    # Four standard deviations.
+    assert np.hypot(*state.sized.sizes) == pytest.approx(0.3, abs=4 * np.sqrt(2 / SAMPLES))

@@ -115,9 +115,14 @@ def test_a_simulation_is_told_what_is_wrong_with_it(explanation):
     second |= {"cause": "coefficient", "coefficient": "B"}
     third |= {"cause": "coefficient", "coefficient": "N"}
     text = told(explanation, 0)
-    assert "B and N of the simulation are off, and physics is absent from it." in text
+    assert "B and N of the simulation are off, and physics is absent from the simulation." in text
     assert "p < 1e-12, physics absent from the simulation" in text
     assert "p = 3.1e-9, B of the simulation is off" in text
+    first["absent_from"] = "recording"
+    second["coefficient"] = "gauss_markov"
+    text = told(explanation, 0)
+    assert "N and exponentially correlated noise (Gauss-Markov) of the simulation are" in text
+    assert "and the simulation has physics that the recording has not." in text
 
 
 def test_only_coefficients_of_a_simulation_are_off(explanation):

@@ -89,7 +89,7 @@ def compared(
         if which is None:
             bands.append((each, _of_physics(each, found, simulated)))
         else:
-            bands.append((each, _of_size(which, own, reference)))
+            bands.append((each, _of_size(which, own, error, reference)))
     entries = [_entry(*band) for band in _joined(bands)]
     entries += _ramp(own, error, reference, seconds)
     for ours, theirs, lacking in (
@@ -169,8 +169,8 @@ def _ramp(
     if chance > _SIGNIFICANT:
         return []
     ratio = own / theirs if theirs > 0 else None
-    cause = _of_size(_RAMP, terms, reference)
-    size = "by more than the simulation" if ratio is None else f"{ratio:.3g} times as fast as it"
+    cause = _of_size(_RAMP, terms, deviations, reference)
+    size = "more than" if ratio is None else f"{ratio:.3g} times as fast as"
     return [
         {
             "domain": "time",
@@ -179,19 +179,26 @@ def _ramp(
             "unit": "s",
             "ratio": ratio,
             "p_value": chance,
-            "sentence": f"Throughout the recording drifts {size}: {cause.why}.",
+            "sentence": f"Throughout, the recording drifts {size} the simulation: {cause.why}.",
             **cause.fields,
         }
     ]
 
 
-def _of_size(which: int, terms: Float[np.ndarray, " terms"], reference: Reference) -> _Cause:
+def _of_size(
+    which: int,
+    terms: Float[np.ndarray, " terms"],
+    deviations: Float[np.ndarray, " terms"],
+    reference: Reference,
+) -> _Cause:
     """Of a coefficient, by its size in the recording and in the simulation."""
     symbol, own, theirs = SYMBOLS[which], terms[which], reference.coefficients[which]
     if theirs == 0:
         return _Cause(f"it has no {symbol}", symbol)
     way = "small" if own > theirs else "large"
-    factor = f", {theirs / own:.3g} times the recording's" if own > 0 else ""
+    # A term that the recording does not show has no size to compare with.
+    shown = own > _APART * deviations[which]
+    factor = f", {theirs / own:.3g} times the recording's" if shown else ""
     return _Cause(f"its {symbol} is too {way}{factor}", symbol)
 
 
@@ -224,10 +231,11 @@ def _is_more(one: _Difference) -> bool:
 
 def _unseen(entry: Mismatch, lacking: str) -> Mismatch:
     """What only one of the two has, and no band shows as a difference."""
-    said = entry["sentence"]
+    what = EFFECTS[entry["effect"]].what
     if lacking == "recording":
-        what = EFFECTS[entry["effect"]].what
         said = f"The simulation has {what}, which the recording has not."
+    else:
+        said = f"{entry['sentence'].removesuffix('.')}: the simulation lacks {what}."
     return {**entry, "sentence": said, **_Cause(said, None, lacking).fields}
 
 

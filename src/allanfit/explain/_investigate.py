@@ -156,7 +156,7 @@ def _begin_again(
     later.findings = [each for each in state.findings if each.name in _KEPT]
     later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
     later.knocks, later.witnesses = state.knocks, state.witnesses
-    later.stride, later.at = state.stride, state.at
+    later.stride, later.at, later.breaks = state.stride, state.at, state.breaks
     # Where the output keeps clear of its rails they are no less there.
     rails = state.format.rails
     clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))

@@ -140,9 +140,14 @@ def knowledge(
     return float(2 * weight.sum() / max(weight @ at, 1e-300))
 
 
-def oscillation(frequency: float, start: int, samples: int) -> Course:
-    """Cosine and sine at a frequency [cycles per sample]; half a cycle has no sine."""
-    angle = 2 * np.pi * frequency * (np.arange(samples) - start)
+def oscillation(
+    frequency: float, start: int, samples: int, turned: Float[np.ndarray, " samples"] | float = 0.0
+) -> Course:
+    """Cosine and sine at a frequency [cycles per sample]; half a cycle has no sine.
+
+    `turned` is by how much its phase is ahead of that at `start` [rad].
+    """
+    angle = 2 * np.pi * frequency * (np.arange(samples) - start) + turned
     if frequency == 0.5:
         return Course("sinusoid", np.cos(angle)[:, None], {"frequency": frequency})
     return Course(

@@ -1,6 +1,7 @@
 """One more effect at a time: lines, smooth effects and courses compete, and one is taken."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -170,7 +171,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     if again and _nearer(state, same[0], white):
         return
     if alone and not beside and not same:
-        course = _means.oscillation(sine.frequency, state.longest[0], state.values.size)
+        course = _line(state, sine.frequency)
         course.shape["deviation"] = sine.frequency_deviation
         add_course(state, course, Finding("sinusoid", peak.log_p, sine.gain))
         return
@@ -184,6 +185,20 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     # ordinates is as broad as some dozen of them, and has its turn.
     state.peaks += [other for other in peaks[1:] if other.half_width * samples > _SPREAD]
     finer_edges(state)
+
+
+def _line(state: Investigation, frequency: float) -> Course:
+    """A sinusoid, whose phase is free after each time of which no value tells how long it was."""
+    start, samples = state.longest[0], state.values.size
+    if not state.breaks:
+        return _means.oscillation(frequency, start, samples)
+    after = partial(np.searchsorted, state.breaks, side="right")
+    sums = np.zeros(len(state.breaks) + 1, complex)
+    for piece in state.pieces:
+        turning = np.exp(-2j * np.pi * frequency * (np.arange(*piece) - start))
+        sums[after(piece[0])] += whitened_piece(state, piece, ()) @ turning
+    ahead = np.angle(sums * np.conj(sums[after(start)]))
+    return _means.oscillation(frequency, start, samples, ahead[after(np.arange(samples))])
 
 
 def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
@@ -211,7 +226,7 @@ def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
     before = list(state.findings)
     drop_courses(state, [old])
     (finding,) = [each for each in before if not any(each is other for other in state.findings)]
-    course = _means.oscillation(frequency + moved, start, state.values.size)
+    course = _line(state, frequency + moved)
     course.shape.update(deviation=old.shape["deviation"], nearer=True)
     add_course(state, course, finding)
     return True

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import compress
+from itertools import compress, pairwise
 from typing import Any
 
 import numpy as np
@@ -109,6 +109,8 @@ class Investigation:
     #: Samples of the log for each of `values`, and which of the log's they are if not all.
     stride: float = 1.0
     at: Int[np.ndarray, " samples"] | None = None
+    #: Samples before which time went by that no value stands for.
+    breaks: tuple[int, ...] = ()
 
     @property
     def left(self) -> Ordinates:
@@ -191,8 +193,20 @@ def begin(
     bins = binned(spectrum, edges)
     data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool))
     first = _search.five_terms(power, data)
+    breaks = tuple(b for (_, a), (b, _) in pairwise(pieces) if a == b)
     return Investigation(
-        values, pieces, sampling, alarm, found, spectrum, edges, data, first, first, data
+        values,
+        pieces,
+        sampling,
+        alarm,
+        found,
+        spectrum,
+        edges,
+        data,
+        first,
+        first,
+        data,
+        breaks=breaks,
     )
 
 

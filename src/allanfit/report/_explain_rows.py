@@ -120,7 +120,7 @@ def _cause(entry: Mapping[str, Any]) -> str:
     cause = entry.get("cause")
     if cause == "coefficient":
         which = entry.get("coefficient")
-        return f"{which} of the simulation is off" if which else "a coefficient is off"
+        return f"{words(which)} of the simulation is off" if which else "a coefficient is off"
     if cause == "physics":
         return f"physics absent from the {entry.get('absent_from') or 'simulation'}"
     return cause or ""

@@ -69,13 +69,18 @@ def simulation_sentence(channel: Mapping[str, Any]) -> str:
         agrees = "The simulation agrees with the recording: no more differs than chance explains."
         return agrees if channel.get("compared_with_simulation") else ""
     off = sorted({entry["coefficient"] for entry in causes if entry.get("coefficient")})
-    absent = any(entry["cause"] == "physics" for entry in causes)
+    physics = [entry for entry in causes if entry["cause"] == "physics"]
+    absent = {entry.get("absent_from") or "simulation" for entry in physics}
     parts = []
     if off:
-        parts.append(f"{listed(off)} of the simulation {'is' if len(off) == 1 else 'are'} off")
-    elif not absent:
-        parts.append("coefficients of the simulation are off")
-    parts.append("physics is absent from it" if absent else "no physics is seen to be absent")
+        what = listed([each if len(each) == 1 else words(each) for each in off])
+        parts.append(f"{what} of the simulation {'is' if len(off) == 1 else 'are'} off")
+    if "simulation" in absent:
+        parts.append("physics is absent from the simulation")
+    if "recording" in absent:
+        parts.append("the simulation has physics that the recording has not")
+    if not absent:
+        parts.append("no physics is seen to be absent")
     return capitalised(f"{', and '.join(parts)}.")
 
 
