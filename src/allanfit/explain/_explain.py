@@ -22,14 +22,15 @@ from ._compare import compared
 from ._curves import explained_curves
 from ._effect import Effect
 from ._effects import effects_of
+from ._harmonics import Family, Line, families
 from ._held_out import HeldOut, held_out
 from ._investigate import ALARM, investigate
 from ._mismatch import mismatches
 from ._posterior import sample_structure
 from ._references import Reference, references, terms_of
 from ._state import Investigation
-from ._structure import active
-from ._words import effect_sentence
+from ._structure import NARROW, active
+from ._words import effect_sentence, family_sentence
 
 SCHEMA = "allanfit.explain/1"
 # Chance of a false alarm in a recording with nothing left out.
@@ -122,12 +123,22 @@ class ChannelExplanation:
                         f"To tell {_plain(effect.name)} from {_plain(rival)}: "
                         f"{effect.told_apart(rival)}."
                     )
+        said += [family_sentence(family) for family in self._families]
         if self.verdict == "unexplained":
             said.append(
                 "Record again with another rate, filter setting or mounting, and see whether the "
                 "band moves: that tells electronics from mechanics."
             )
         return tuple(dict.fromkeys(said))
+
+    @property
+    def _families(self) -> list[Family]:
+        lines = []
+        for effect in self.effects:
+            if effect.name in ("sinusoid", *NARROW):
+                spread = float(np.std(effect.parameters["frequency"]))
+                lines.append(Line(effect.value("frequency"), spread))
+        return families(lines, float(self.before.rate_hz) / self.state.stride / 2)
 
     def _effect(self, effect: Effect) -> dict[str, Any]:
         parameters = {

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ._effect import Effect
+from ._harmonics import Family
 from ._lasting import USUAL
 
 Parameters = dict[str, dict[str, Any]]
@@ -117,6 +118,19 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
     }
     return sentences[effect.name]()
+
+
+def family_sentence(family: Family) -> str:
+    """What lines that belong together say of their cause."""
+    *most, last = (f"{frequency:.5g}" for frequency in family.lines)
+    sentence = (
+        f"The lines at {', '.join(most)} and {last} Hz are multiples of {family.fundamental:.5g} "
+        "Hz: look for one cause that repeats as often, a motor, mains or a task of the logger."
+    )
+    if family.folded:
+        where = ", ".join(f"{frequency:.5g}" for frequency in family.folded)
+        sentence += f" Those beyond half the sampling rate fold to {where} Hz."
+    return sentence
 
 
 def _followed(shown: Parameters, told: Callable[[str], str]) -> str:
