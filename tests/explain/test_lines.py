@@ -68,3 +68,18 @@ def test_a_line_is_one_across_gaps_of_unknown_length():
     assert state.sized is not None
     # Four standard deviations.
     assert np.hypot(*state.sized.sizes) == pytest.approx(0.3, abs=4 * np.sqrt(2 / SAMPLES))
+
+
+def test_a_line_is_one_where_samples_are_lost_at_known_places():
+    """Each loss turns its phase, and it looked like a resonance."""
+    rng = np.random.default_rng(5)
+    time = np.delete(np.arange(SAMPLES + 60), rng.choice(SAMPLES, 60, replace=False))
+    x = rng.standard_normal(SAMPLES) + 0.3 * np.sin(2 * np.pi * 0.323 * time)
+    after = 1 + np.flatnonzero(np.diff(time) > 1)
+    losses = [(int(at), int(time[at] - time[at - 1] - 1)) for at in after]
+    white = np.array([0.0, np.var(x), 0.0, 0.0])
+    state = investigate(x, ((0, SAMPLES),), "point", white, lost=60 / time[-1], losses=losses)
+    assert [finding.name for finding in state.findings] == ["dropped_samples", "sinusoid"]
+    assert state.sized is not None
+    assert np.hypot(*state.sized.sizes) == pytest.approx(0.3, abs=4 * np.sqrt(2 / SAMPLES))
+    assert state.lines[0].shape["frequency"] == pytest.approx(0.323, abs=0.1 / SAMPLES)

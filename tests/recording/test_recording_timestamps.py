@@ -134,6 +134,10 @@ def test_single_losses_are_counted_and_do_not_cut(fraction):
     (finding,) = told.findings
     counted = int(re.search(r"a few at a time: (\d+) sample", finding)[1])
     assert counted == pytest.approx(lost.size, abs=2)
+    after, numbers = np.array(told.losses).T
+    place = np.arange(EVEN.size - lost.size)
+    place += np.cumsum(np.bincount(after, numbers, minlength=place.size)).astype(int)
+    assert np.array_equal(place[:-50], np.delete(np.arange(EVEN.size), lost)[:-50])
 
 
 def late(stamps: np.ndarray) -> np.ndarray:

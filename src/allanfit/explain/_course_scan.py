@@ -150,7 +150,9 @@ def _oscillations(scan: _Scan, time, length, start, samples) -> list[Course]:
         fine = periods[at] + np.linspace(-0.25, 0.25, 9)
         values = scan.gains(_waves(fine, time.size, float(time[-1] / length)))
         best_place = float(fine[int(np.argmax(values))]) / length
-        courses.append(oscillation(best_place, start, samples)._replace(places=places))
+        courses.append(
+            oscillation(best_place, np.arange(samples) - float(start))._replace(places=places)
+        )
     return courses
 
 

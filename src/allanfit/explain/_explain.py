@@ -300,6 +300,7 @@ def _explain_channel(
         alarm=alarm,
         drivers=drivers,
         lost=recording.lost,
+        losses=recording.losses,
         seed=seed,
     )
     if not state.findings and state.unexplained is None:

@@ -5,7 +5,7 @@ is normal; then lines, courses in time and smooth effects of the spectrum, in ro
 takes one (`_rounds` says which), until nothing is left that is no chance.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -62,13 +62,15 @@ def investigate(
     alarm: float = ALARM,
     drivers: dict[str, Float[np.ndarray, "samples columns"]] | None = None,
     lost: float = 0.0,
+    losses: Sequence[tuple[int, int]] = (),
     seed: int = 0,
 ) -> Investigation:
     """Find what the five terms leave out of one channel.
 
     `power` are the squared coefficients of the five-term fit for a sampling interval of one, and
     `drivers` what may move the channel, by the name of the effect, centred; `lost` is the share of
-    samples that time stamps say were lost on the way.
+    samples that time stamps say were lost on the way, and `losses` the first sample after each of
+    these losses with how many were lost.
 
     Of a sensor with a clock of its own the fresh values are investigated, a `stride` apart.
     """
@@ -82,6 +84,9 @@ def investigate(
     if fresh is not None:
         state.stride, state.at = stride, fresh.at
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
+    elif losses:
+        after, counts = np.array(losses).T
+        state.place += np.cumsum(np.bincount(after, counts, minlength=values.size))
     if lost > 0:
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
     about_format(state)
@@ -156,7 +161,8 @@ def _begin_again(
     later.findings = [each for each in state.findings if each.name in _KEPT]
     later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
     later.knocks, later.witnesses = state.knocks, state.witnesses
-    later.stride, later.at, later.breaks = state.stride, state.at, state.breaks
+    later.stride, later.at = state.stride, state.at
+    later.breaks, later.place = state.breaks, state.place
     # Where the output keeps clear of its rails they are no less there.
     rails = state.format.rails
     clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))

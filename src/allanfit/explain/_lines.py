@@ -44,6 +44,18 @@ class Peak(NamedTuple):
     log_p: float
 
 
+def evenly(
+    white: Float[np.ndarray, " present"], time: Float[np.ndarray, " present"]
+) -> Float[np.ndarray, " samples"]:
+    """A white record with nothing where samples were lost: as strong in all, and as a sinusoid.
+
+    `time` is that of each sample, in whole steps from zero.
+    """
+    even = np.zeros(int(time[-1]) + 1)
+    even[time.astype(int)] = white * np.sqrt(even.size / white.size)
+    return even
+
+
 def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     """Bands with more power than chance, of a family-wise `p_value`, strongest first."""
     samples = white.size

@@ -141,13 +141,15 @@ def knowledge(
 
 
 def oscillation(
-    frequency: float, start: int, samples: int, turned: Float[np.ndarray, " samples"] | float = 0.0
+    frequency: float,
+    time: Float[np.ndarray, " samples"],
+    ahead: Float[np.ndarray, " samples"] | float = 0.0,
 ) -> Course:
     """Cosine and sine at a frequency [cycles per sample]; half a cycle has no sine.
 
-    `turned` is by how much its phase is ahead of that at `start` [rad].
+    `ahead` is by how much its phase is ahead of that at a `time` of zero [rad].
     """
-    angle = 2 * np.pi * frequency * (np.arange(samples) - start) + turned
+    angle = 2 * np.pi * frequency * time + ahead
     if frequency == 0.5:
         return Course("sinusoid", np.cos(angle)[:, None], {"frequency": frequency})
     return Course(

@@ -5,13 +5,14 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from . import _means, _search
 from ._chance import course_score, log_chance, score
 from ._course_scan import propose, sharpened
 from ._lasting import loudness
 from ._leakage import leave_leakage
-from ._lines import Peak, Sine, line_log_chance, refine, scan
+from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
 from ._means import Course
 from ._search import Candidate, rarity
 from ._state import (
@@ -121,9 +122,10 @@ def _line_options(state: Investigation) -> list[Option]:
     piece = state.longest
     held = len(state.lines)
     white = whitened_piece(state, piece, ())
+    even = evenly(white, _time(state, piece))
     peaks = [
         peak
-        for peak in scan(white, LINE_ALARM * state.alarm)
+        for peak in scan(even, LINE_ALARM * state.alarm)
         if not any(
             abs(peak.frequency - old.frequency) < 3 * (old.half_width + peak.half_width)
             for old in state.peaks
@@ -140,12 +142,12 @@ def _line_options(state: Investigation) -> list[Option]:
     peak = peaks[0]
     mean = level(state.left, state.variance)
     density = float(np.interp(peak.frequency, state.left.frequency, mean))
-    sine = refine(white, peak, density)
+    sine = refine(even, peak, density)
 
     def take(rivals: dict[str, float]) -> None:
         _take_line(state, peaks, sine, white)
 
-    name = _LINE if _sharp(peak, white.size) else _BAND
+    name = _LINE if _sharp(peak, even.size) else _BAND
     # On the scale of the other options' chances, which have an alarm of their own.
     log_p = peak.log_p - np.log(LINE_ALARM)
     return [Option(name, log_p, sine.gain, sine.gain, take)]
@@ -153,15 +155,19 @@ def _line_options(state: Investigation) -> list[Option]:
 
 def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.ndarray) -> None:
     """A peak that one sinusoid empties is one; another is broad, and left to the spectrum."""
-    peak, samples = peaks[0], white.size
-    time = np.arange(samples)
+    peak, time = peaks[0], _time(state, state.longest)
+    samples = int(time[-1]) + 1
     angle = 2 * np.pi * sine.frequency * time
     basis = np.column_stack([np.cos(angle), np.sin(angle)])
     rest = white - basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
     close = max(_CLOSE / samples, 2 * peak.half_width)
     # As loosely as the peak was found: what is left of a broad one may be weaker than it.
     loose = max(1e-3, LINE_ALARM * state.alarm)
-    beside = [other for other in scan(rest, loose) if abs(other.frequency - sine.frequency) < close]
+    beside = [
+        other
+        for other in scan(evenly(rest, time), loose)
+        if abs(other.frequency - sine.frequency) < close
+    ]
     alone = line_log_chance(sine.gain / 2, samples) < np.log(loose)
     # A line that wanders shows one peak after another within its width.
     same = [
@@ -187,18 +193,25 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
     finer_edges(state)
 
 
+def _time(state: Investigation, piece: tuple[int, int]) -> Float[np.ndarray, " samples"]:
+    """Of the samples of a stretch, those included that were lost between them."""
+    start, stop = piece
+    return state.place[start:stop] - state.place[start]
+
+
 def _line(state: Investigation, frequency: float) -> Course:
-    """A sinusoid, whose phase is free after each time of which no value tells how long it was."""
-    start, samples = state.longest[0], state.values.size
+    """A sinusoid, whose phase is free after each time of which nothing tells how long it was."""
+    start = state.longest[0]
+    time = state.place - state.place[start]
     if not state.breaks:
-        return _means.oscillation(frequency, start, samples)
+        return _means.oscillation(frequency, time)
     after = partial(np.searchsorted, state.breaks, side="right")
     sums = np.zeros(len(state.breaks) + 1, complex)
     for piece in state.pieces:
-        turning = np.exp(-2j * np.pi * frequency * (np.arange(*piece) - start))
+        turning = np.exp(-2j * np.pi * frequency * time[slice(*piece)])
         sums[after(piece[0])] += whitened_piece(state, piece, ()) @ turning
     ahead = np.angle(sums * np.conj(sums[after(start)]))
-    return _means.oscillation(frequency, start, samples, ahead[after(np.arange(samples))])
+    return _means.oscillation(frequency, time, ahead[after(np.arange(time.size))])
 
 
 def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
@@ -208,8 +221,7 @@ def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
     is wrong by d leaves 2 pi d t times its derivative in phase.
     """
     frequency = old.shape["frequency"]
-    start, stop = state.longest
-    time = np.arange(stop - start)
+    time = _time(state, state.longest)
     angle = 2 * np.pi * frequency * time
     basis = np.column_stack([np.cos(angle), np.sin(angle)])
     late = time[:, None] - time.mean()
@@ -221,7 +233,7 @@ def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
     assert state.sized is not None
     a, b = state.sized.sizes[begin : begin + 2] / np.sqrt(density / 2)
     moved = (cosine * b - sine * a) / (2 * np.pi * (a**2 + b**2))
-    if abs(moved) > 0.5 / white.size:
+    if abs(moved) > 0.5 / (time[-1] + 1):
         return False
     before = list(state.findings)
     drop_courses(state, [old])

@@ -72,6 +72,10 @@ class Investigation:
     first: Model
     model: Model
     first_data: Data
+    #: Samples before which time went by that no value stands for, of which nothing tells how much.
+    breaks: tuple[int, ...]
+    #: When each of `values` was taken, with all that were lost between them but for the breaks.
+    place: Float[np.ndarray, " samples"]
     courses: list[Course] = field(default_factory=list)
     #: The amplitudes of the ordinates of each course.
     moved: list[Float[np.ndarray, "ordinates columns"]] = field(default_factory=list)
@@ -109,8 +113,6 @@ class Investigation:
     #: Samples of the log for each of `values`, and which of the log's they are if not all.
     stride: float = 1.0
     at: Int[np.ndarray, " samples"] | None = None
-    #: Samples before which time went by that no value stands for.
-    breaks: tuple[int, ...] = ()
 
     @property
     def left(self) -> Ordinates:
@@ -193,7 +195,6 @@ def begin(
     bins = binned(spectrum, edges)
     data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool))
     first = _search.five_terms(power, data)
-    breaks = tuple(b for (_, a), (b, _) in pairwise(pieces) if a == b)
     return Investigation(
         values,
         pieces,
@@ -206,7 +207,8 @@ def begin(
         first,
         first,
         data,
-        breaks=breaks,
+        tuple(b for (_, a), (b, _) in pairwise(pieces) if a == b),
+        np.arange(values.size, dtype=float),
     )
 
 

@@ -119,6 +119,7 @@ def load(
         findings=(*findings, *about_gravity(kept), *about_mistakes(kept, clock.rate_hz)),
         checksum=digest.hexdigest(),
         lost=clock.lost,
+        losses=clock.losses,
     )
 
 

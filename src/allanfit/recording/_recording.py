@@ -58,6 +58,8 @@ class Recording:
     temperatures beside them: of all that a result depends on, and nothing else of the file."""
     lost: float = 0.0
     """Share of the samples that, by the time stamps, were lost a few at a time."""
+    losses: tuple[tuple[int, int], ...] = ()
+    """Index of the first sample after each of these losses, and how many were lost."""
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,8 @@ class Clock:
     """Gaps, repeats, jitter, doubts about the unit or the given rate."""
     lost: float = 0.0
     """Share of the samples that were lost a few at a time."""
+    losses: tuple[tuple[int, int], ...] = ()
+    """Index of the first sample after each of these losses, and how many were lost."""
     unit: str = ""
     """What the stamps count, one of s, ms, us and ns, where there are any."""
 
@@ -124,7 +126,8 @@ def read_clock(
         if not interval > 0:
             raise _unusable("they do not increase")
     gaps = np.flatnonzero(lost >= _GAP * interval)
-    dropped = round(float(lost[(lost > 0) & (lost < _GAP * interval)].sum() / interval))
+    few = np.flatnonzero((lost > 0) & (lost < _GAP * interval))
+    dropped = round(float(lost[few].sum() / interval))
     # More digits than stamps carry would only be the rounding of the sum.
     rate_hz = float(f"{1 / interval:.9g}")
     findings += doubt
@@ -140,7 +143,9 @@ def read_clock(
     findings += _about_rate(rate_hz, given_hz)
     breaks = np.union1d(gaps, np.flatnonzero(set_back)) + 1
     lost_share = dropped / (steps.size + dropped)
-    return Clock(rate_hz, tuple(breaks.tolist()), findings, lost_share, counted)
+    counts = np.maximum(np.round(lost[few] / interval), 1).astype(int)
+    losses = tuple(zip((few + 1).tolist(), counts.tolist(), strict=True))
+    return Clock(rate_hz, tuple(breaks.tolist()), findings, lost_share, losses, counted)
 
 
 def _unusable(reason: str) -> RecordingError:
