@@ -43,8 +43,9 @@ def noise():
             "one frequency and phase whose strength changes, mostly from",
         ),
         (lambda x: x * np.sqrt(1 + 0.5 * np.sin(2 * np.pi * TIME / 3)), "swings, every 3 s"),
+        (lambda x: x + 0.08 * (TIME % 2 < 0.03), "a waveform repeats, every 2 s"),
     ],
-    ids=["bursts of a line", "sweep", "a line that is switched on", "swing"],
+    ids=["bursts of a line", "sweep", "a line that is switched on", "swing", "pulses"],
 )
 def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     channel = explained(tmp_path, cause(noise))

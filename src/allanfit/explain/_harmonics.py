@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import chi2
 
 # Multiples that are looked for, and which of them the line may be that others are compared with.
-_MULTIPLES, _FIRST = np.arange(1, 101), range(1, 4)
+_MULTIPLES, _FIRST = np.arange(1, 101), range(1, 9)
 # Chance of such a family among lines that have nothing to do with one another.
 _BY_CHANCE = 1e-3
 # Error that a frequency is allowed, in standard deviations.
@@ -55,7 +55,8 @@ def families(lines: Sequence[Line], nyquist_hz: float) -> list[Family]:
         best = min(likely, key=lambda each: (-len(each.multiples), sum(each.multiples.values())))
         own = {left[place].frequency: multiple for place, multiple in best.multiples.items()}
         folded = [f for f, multiple in own.items() if multiple * best.fundamental > nyquist_hz]
-        found.append(Family(best.fundamental, tuple(sorted(own)), tuple(sorted(folded))))
+        fundamental = _together(left, best, nyquist_hz)
+        found.append(Family(fundamental, tuple(sorted(own)), tuple(sorted(folded))))
         left = [line for place, line in enumerate(left) if place not in best.multiples]
     return found
 
@@ -82,3 +83,15 @@ def _guess(lines: list[Line], place: int, first: int, nyquist_hz: float) -> _Gue
     # That the product of as many chances is as small (Fisher's method).
     by_chance = float(chi2.sf(-2 * math.log(chance), 2 * others)) if others else 1.0
     return _Guess(fundamental, multiples, tried * by_chance)
+
+
+def _together(lines: list[Line], guess: _Guess, nyquist_hz: float) -> float:
+    """The fundamental by all of its multiples: least squares, each by its own deviation."""
+    places, multiples = list(guess.multiples), np.array(list(guess.multiples.values()))
+    own = np.array([lines[place] for place in places])
+    frequency, deviation = own.T
+    # Where a line would be if it were not folded: the nearest of all that appear where it does.
+    turns = 2 * nyquist_hz * np.round(multiples * guess.fundamental / (2 * nyquist_hz))
+    unfolded = np.where(multiples * guess.fundamental < turns, turns - frequency, turns + frequency)
+    weights = multiples / deviation**2
+    return float(weights @ unfolded / (weights @ multiples))

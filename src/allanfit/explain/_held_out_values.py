@@ -3,14 +3,15 @@
 What rounding, rails, spikes and loud times do shows in no spectrum, so that the score of ordinates
 says nothing of them. Here one half of the samples says how often, how large and when, and the other
 is scored: log-probabilities [nats] of what the five terms and what was found expect. Only when a
-brief disturbance was, and with what period the noise swings, is found on all samples.
+brief disturbance was, and with what period the noise swings or a waveform repeats, is found on all
+samples.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.stats import norm
 
 from ._spread import PULLED_IN, contamination, log_body, log_mixture, modulation
@@ -112,6 +113,18 @@ def of_swing(white: Float[np.ndarray, " samples"], period: float) -> Gain:
         size = 2 * (squares[known] / level - 1) @ waves[known] / squares[known].size
         swing = np.maximum(1 + waves[scored] @ size, 0.05)
         return -(np.log(swing) + squares[scored] / level * (1 / swing - 1)) / 2
+
+    return _crossed(white.size, differences)
+
+
+def of_phases(white: Float[np.ndarray, " samples"], phase: Int[np.ndarray, " samples"]) -> Gain:
+    """A mean of its own in each phase of a period, which is found on all samples, against none."""
+
+    def differences(known: slice, scored: slice):
+        counts = np.maximum(np.bincount(phase[known], minlength=phase.max() + 1), 1)
+        mean = np.bincount(phase[known], white[known], minlength=counts.size) / counts
+        here = mean[phase[scored]]
+        return here * (white[scored] - here / 2) / np.mean(white[known] ** 2)
 
     return _crossed(white.size, differences)
 

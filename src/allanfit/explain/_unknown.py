@@ -15,6 +15,7 @@ from . import _search
 from ._chance import score
 from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
 from ._climb import filter_slopes
+from ._harmonics import Line, families
 from ._held_out_values import of_swing
 from ._intervals import runs
 from ._lasting import forget_loud_times
@@ -28,6 +29,7 @@ from ._search import Model
 from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, whitened_piece
 from ._structure import EACH, TERMS, UNNAMED
+from ._waveform import waveform
 
 # Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
 _INSIDE = 2 * float(np.log(19))
@@ -46,6 +48,9 @@ _WITHIN = 0.25
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
 _FINE = 0.1
+# A waveform is looked for where so many of its harmonics are lines, whose places are known to such
+# a part of 1/T, by the Cramér-Rao bound of the weakest that is found.
+_HARMONICS, _LINE_ERROR = 4, 0.1
 # A swing to and fro turns at sqrt(2) times its rms.
 _TURN = 1.6
 
@@ -76,7 +81,7 @@ def look_again(state: Investigation) -> None:
     _sweeps(state, white, tracked)
     _turns(state)
     broad = _broad(state, white)
-    _swing(state, broad)
+    _swing(state, _repeated(state, white, broad))
     _other_spectrum(state, broad)
     _bump_instead(state)
 
@@ -313,6 +318,40 @@ def _bump_instead(state: Investigation) -> None:
     if rival > named:
         state.findings = [f for f in state.findings if f.name not in kinds.names]
         take_bump(state, bump)
+
+
+def _repeated(
+    state: Investigation,
+    white: Float[np.ndarray, " samples"],
+    broad: Float[np.ndarray, " samples"],
+) -> Float[np.ndarray, " samples"]:
+    """Name a waveform that repeats, of which more is left than its strongest harmonics.
+
+    Returns what is broad without it: its pulses would look like noise that swings.
+    """
+    if not white.any():
+        return broad
+    samples = white.size
+    lines = [Line(course.shape["frequency"], _LINE_ERROR / samples) for course in state.lines]
+    sought = [
+        family.fundamental for family in families(lines, 0.5) if len(family.lines) >= _HARMONICS
+    ]
+    swing = swinging(np.clip(broad / broad.std(), -PULLED_IN, PULLED_IN))
+    if swing is not None and swing[1] < np.log(state.alarm):
+        sought.append(1 / swing[0])
+    for frequency in sought:
+        found = waveform(white, frequency)
+        if found.log_p < np.log(state.alarm):
+            state.findings.append(Finding("bump", found.log_p, 0.0))
+            state.gains["bump"] = found.held_out(white)
+            why, like = (
+                "a waveform repeats",
+                "a clock's pulse, a radio or a logger's writing does so",
+            )
+            place = 1 / found.period
+            state.unknown.append(Unknown(place, 1e-3, why, found.period, in_time=True, like=like))
+            return found.taken_from(broad)
+    return broad
 
 
 def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
