@@ -1,6 +1,7 @@
 """From a recording to its explanation, on records drawn here by recipes of their own."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,9 @@ from scipy.signal import butter, lfilter, welch
 import allanfit
 from allanfit.cli import main
 from allanfit.explain import explain_recording
+from allanfit.explain._effect import Effect
+from allanfit.explain._explain import _doubted
+from allanfit.recording import RecordingError
 
 RATE, SAMPLES = 50.0, 30_000
 
@@ -56,6 +60,46 @@ def test_nothing_is_claimed_where_nothing_is_left_out(tmp_path, seed):
     assert channel["effects"] == channel["mismatch"] == []
     assert channel["improvement"] is None
     assert channel["coefficients_after"] == channel["coefficients_before"]
+
+
+@pytest.mark.parametrize("length", [40, 90, 150])
+def test_short_stretches_are_explained_or_refused_in_one_sentence(tmp_path, length):
+    values = np.where(np.arange(10 * length) % length, noise(11)[: 10 * length], np.nan)
+    recording = allanfit.load(written(tmp_path, values))
+    if length < 64:
+        with pytest.raises(RecordingError, match="explain needs one of 64"):
+            explain_recording(recording, posterior=False)
+    else:
+        channel = explain_recording(recording, posterior=False).to_dict()["channels"][0]
+        assert channel["verdict"] == "consistent"
+
+
+def test_a_model_that_does_not_fit_explains_nothing(tmp_path):
+    """What is named in it is less sure, and the reader is told."""
+    found = explain_recording(allanfit.load(written(tmp_path, noise(11))), posterior=False)
+    effect = Effect("gauss_markov", 0.98, {"power_law": 0.02}, {})
+    fits = replace(found.channels[0], effects=(effect,), p_value_after=0.01)
+    assert fits.verdict == "explained"
+    assert not any("doubtful" in each for each in fits.advice)
+    misfit = replace(fits, p_value_after=1e-6)
+    assert misfit.verdict == "unexplained"
+    assert any("doubtful" in each for each in misfit.advice)
+    rounding = Effect("output_rounding", 0.99, {}, {})
+    (less, as_sure) = _doubted((effect, rounding))
+    assert (less.probability, less.alternatives) == (0.49, {"power_law": 0.01})
+    assert as_sure == rounding
+
+
+def test_a_rail_among_coarse_codes_hides_no_noise(tmp_path):
+    """White noise of N = 0.005 in codes of 0.4 of its deviation, of which 5 % stand at the last."""
+    sigma = 0.005 * RATE**0.5
+    width = 0.4 * sigma
+    values = np.round(np.minimum(noise(11), 1.6 * sigma) / width) * width
+    channel = explained(tmp_path, values)
+    names = [effect["name"] for effect in channel["effects"]]
+    assert names == ["output_rounding", "saturation"]
+    # Four standard errors.
+    assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.02)
 
 
 def test_a_filter_in_the_processor_is_named_and_simulated(tmp_path):

@@ -2,7 +2,17 @@
 
 import numpy as np
 import pytest
-from scipy.signal import bessel, cont2discrete, firwin, freqz, lfilter, remez, sosfilt
+from scipy.signal import (
+    bessel,
+    butter,
+    cont2discrete,
+    firwin,
+    freqz,
+    iirnotch,
+    lfilter,
+    remez,
+    sosfilt,
+)
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._structure import EACH, TERMS, sieve
@@ -99,3 +109,13 @@ def test_an_oscillator_that_rises_before_its_corner_is_a_filter():
     # Half of the power passes where x^2 + (4 zeta^2 - 2) x = 1, x being the square of f/f_0.
     x = np.roots([1, 4 * 0.36 - 2, -1]).max()
     assert float(low_pass.cutoff_frequency) == pytest.approx(0.15 * np.sqrt(x), rel=0.08)
+
+
+def test_what_passes_beyond_a_notch_is_not_left_out():
+    """A steep edge at the notch would explain all, were what refutes it taken for leakage."""
+    rng = np.random.default_rng(21)
+    passed = lfilter(*butter(2, 0.5), rng.standard_normal(SAMPLES))
+    values = lfilter(*iirnotch(0.3, 4), passed)
+    power = np.array([0.0, np.var(values), 0.0, 1e-6])
+    state = investigate(values, ((0, SAMPLES),), "point", power)
+    assert state.spectrum.clean(np.array([0.2, 0.24])).all()

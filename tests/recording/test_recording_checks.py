@@ -196,6 +196,31 @@ def test_codes_beside_a_wave_have_no_rails():
         assert rails(np.round(wave + noise * white()), 1.0) == ()
 
 
+@pytest.mark.parametrize(("level", "width"), [(1.6, 0.4), (1.0, 0.25), (-1.6, 0.4)])
+def test_a_rail_among_coarse_codes(level, width):
+    """The last code has less than three times as many samples as the one before it."""
+    x = white()
+    clipped = np.minimum(x, level) if level > 0 else np.maximum(x, level)
+    ends = rails(np.round(clipped / width), 1.0)
+    assert ends == (np.round(level / width),)
+
+
+def test_coarse_codes_of_healthy_sensors_have_no_rails():
+    """Tails that fall more slowly, that wander, and that belong to several levels."""
+    rng = np.random.default_rng(5)
+    time = np.arange(SIZE)
+    for noise in (1.0, 2.0, 4.0):
+        steady = noise * white()
+        for healthy in (
+            steady + noise * 0.03 * np.cumsum(rng.standard_normal(SIZE)),
+            steady + 6 * noise * (time > SIZE / 3),
+            steady + 9 * np.sin(2 * np.pi * 0.0123 * time),
+            steady * np.where(time % 50 == 0, 5, 1),
+            noise * rng.laplace(size=SIZE),
+        ):
+            assert rails(np.round(healthy), 1.0) == ()
+
+
 @pytest.mark.parametrize(
     ("samples", "width"),
     [

@@ -87,8 +87,9 @@ def _ramps(
 def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best) -> None:
     """Undo what rails do: they cut the spread of fast noise, and pass part of what is slow.
 
-    For a normal signal the share of samples between the rails is the gain of slow changes
-    (Bussgang's theorem), and the variance lost follows from how many samples stand at a rail.
+    For a normal signal the gain of slow changes is its product with what is logged (Bussgang's
+    theorem), and how strong it was follows from how many samples stand at a rail: rounded, from
+    half a code before it on.
     """
     rails = state.format.rails
     if not rails:
@@ -101,14 +102,16 @@ def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best)
         return
     sides = len(rails)
     share = min(max(state.format.clipped, 1e-9), 0.98)
-    sigma = reach / norm.isf(share / sides)
+    edge = reach - min(state.format.width, reach) / 2
+    sigma = edge / norm.isf(share / sides)
     z = np.linspace(-8, 8, 40001)
-    low = -reach if sides == 2 else -np.inf
-    clipped = np.clip(z * sigma, low, reach)
+    clipped = np.where(z * sigma > edge, reach, z * sigma)
+    if sides == 2:
+        clipped = np.where(z * sigma < -edge, -reach, clipped)
     density = norm.pdf(z)
     density /= density.sum()
     variance = density @ clipped**2 - (density @ clipped) ** 2
-    gain = 1 - share
+    gain = density @ (z * clipped) / sigma
     factor = np.array([sigma**2 / variance, sigma**2 / variance, gain**-2, gain**-2])
     power *= factor
     best *= factor

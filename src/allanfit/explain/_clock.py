@@ -155,6 +155,8 @@ def _slots(
         if samples < _FEWEST * length:
             continue
         parts = _segments(changes, samples, length)
+        if not parts.any():
+            continue
         line = _line(parts)
         rate = _unmirrored(line, changes, samples)
         chance = np.sqrt(length * share * (1 - share))

@@ -134,7 +134,10 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             )
         )
     if kinds.shaping in UNNAMED:
-        found.append(_unnamed(kinds.shaping, draws.theta[:, TERMS : TERMS + EACH].T, samples, dt))
+        bump = _unnamed(kinds.shaping, draws.theta[:, TERMS : TERMS + EACH].T, samples, dt)
+        compared = next((f for f in state.findings if f.name == "bump" and f.rivals), None)
+        own, others = _probabilities(compared, "bump")
+        found.append(replace(bump, probability=own, alternatives=others))
     for place, name in enumerate(kinds.added):
         if place in state.disowned_noises:
             continue

@@ -15,7 +15,7 @@ from ..identify import ChannelFit, Fit, fit_series
 from ..identify._goodness import goodness_of_fit
 from ..identify._recording_fit import channel_header, coefficients_document, recording_document
 from ..physics import EFFECTS, Sampling, parameter_unit, unit_power
-from ..recording import Channel, Recording
+from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside
 from ._after import fit_after
 from ._compare import compared
@@ -35,6 +35,13 @@ from ._words import effect_sentence, family_sentence
 SCHEMA = "allanfit.explain/1"
 # Chance of a false alarm in a recording with nothing left out.
 _FALSE_ALARM = 0.01
+# A better model as unlikely as this is wrong in something, and of what is named in its spectrum
+# about half is not there.
+_MISFIT, _DOUBTED = 1e-4, 0.5
+# Samples of the longest stretch, at least: of fewer no spectrum of its own can be made white.
+_SHORTEST = 64
+# What values and time stamps tell, whatever the model of the noise is.
+_OF_VALUES = ("output_rounding", "sample_hold", "dropped_samples", "saturation", "disturbance")
 
 
 @dataclass(frozen=True)
@@ -76,7 +83,12 @@ class ChannelExplanation:
             return "consistent"
         if self.state.unexplained is not None or any(e.name == "bump" for e in self.effects):
             return "unexplained"
-        return "explained"
+        return "unexplained" if self.misfit else "explained"
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the better model does not fit either."""
+        return self.p_value_after is not None and self.p_value_after < _MISFIT
 
     @property
     def false_alarm_probability(self) -> float:
@@ -124,6 +136,11 @@ class ChannelExplanation:
                         f"{effect.told_apart(rival)}."
                     )
         said += [family_sentence(family) for family in self._families]
+        if self.misfit:
+            said.append(
+                "The better model does not fit either: something is left out or wrongly named, and "
+                "its effects, and N, B and K after naming, are doubtful."
+            )
         if self.verdict == "unexplained":
             said.append(
                 "Record again with another rate, filter setting or mounting, and see whether the "
@@ -241,7 +258,8 @@ def explain_recording(
     - `posterior`: without it the chains are a quarter as long, and intervals rough.
     - `announce`, `done`: called with each channel's name before its turn, and after it.
 
-    **Raises:** `ValueError` for a simulation that cannot be compared.
+    **Raises:** `ValueError` for a simulation that cannot be compared; `RecordingError` where gaps
+    leave no stretch of 64 samples.
     """
     compared_with = references(simulation, recording, sampling)
     alarm = ALARM / len(recording.channels)
@@ -285,6 +303,12 @@ def _explain_channel(
         seed=seed,
         stretches=channel.stretches,
     )
+    longest = max(stop - start for start, stop in channel.stretches)
+    if longest < _SHORTEST:
+        raise RecordingError(
+            f"channel {channel.name!r} has no stretch of more than {longest} samples between gaps: "
+            f"explain needs one of {_SHORTEST}; record without gaps, or use fit"
+        )
     dt = 1 / recording.rate_hz
     values = np.array(list(map(float, fit.coefficients.values()))) / np.asarray(unit_scale(dt))
     drivers = {}
@@ -330,7 +354,20 @@ def _explain_channel(
         jnp.asarray(state.data.bins.shape),
         jnp.asarray(float(fitted)),
     )
-    return ChannelExplanation(channel, fit, after, state, effects, score, _finite(chance))
+    found = ChannelExplanation(channel, fit, after, state, effects, score, _finite(chance))
+    return replace(found, effects=_doubted(effects)) if found.misfit else found
+
+
+def _doubted(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """The effects, those less sure that a model of the spectrum and the mean told."""
+
+    def doubted(effect: Effect) -> Effect:
+        if effect.name in _OF_VALUES:
+            return effect
+        rivals = {name: _DOUBTED * chance for name, chance in effect.alternatives.items()}
+        return replace(effect, probability=_DOUBTED * effect.probability, alternatives=rivals)
+
+    return tuple(map(doubted, effects))
 
 
 def _plain(name: str) -> str:

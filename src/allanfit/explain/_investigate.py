@@ -91,7 +91,7 @@ def investigate(
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
     about_format(state)
     times = stuck(values, pieces, state.format)
-    free = cut_out(pieces, times)
+    free = cut_out(pieces, times) if times else pieces
     if sum(b - a for a, b in free) < _FREE * sum(b - a for a, b in pieces):
         # Between so much that shows nothing, what is left is not the noise either.
         state.nearest = min(finding.log_p for finding in state.findings)

@@ -22,6 +22,8 @@ from ._structure import (
 _EDGE = 0.003
 # Share of a density that may have leaked.
 _LEAKED = 0.05
+# So many times what the filter leaves and the ends leak is no leakage: the filter is another.
+_REFUTED = 10.0
 
 
 def leave_leakage(state: Investigation) -> None:
@@ -38,12 +40,19 @@ def leave_leakage(state: Investigation) -> None:
 
     # By the filter alone: where ordinates were left out before, no bins say what is there.
     samples, density = state.spectrum.longest, passed(frequency) + float(state.data.foreign)
-    unclean = leakage(passed(LEAKAGE_GRID), frequency) > _LEAKED * samples * density
+    leaked = leakage(passed(LEAKAGE_GRID), frequency)
+    unclean = leaked > _LEAKED * samples * density
     if kinds.shaping != RUNNING_MEAN:
         # Of no other kind are the side lobes known, and of an edge each window makes its own.
         least = _EDGE if kinds.shaping == WINDOWED else LEAST / samples
         unclean |= density < least * density.max()
-    bands = [(frequency[a], frequency[b - 1]) for a, b in runs(unclean)]
+    seen = state.left.amplitude**2
+    most = _REFUTED * np.maximum(density + leaked / samples, _EDGE * density.max())
+    bands = [
+        (frequency[a], frequency[b - 1])
+        for a, b in runs(unclean)
+        if seen[a:b].mean() < most[a:b].mean()
+    ]
     state.spectrum = less_bands(state.spectrum, bands)
     finer_edges(state)
 

@@ -87,7 +87,7 @@ def _strongest(
     best = Peak(top / (2 * samples), 0.5 / samples, strongest, line_log_chance(strongest, samples))
     total = np.concatenate([[0.0], np.cumsum(power)])
     width = 2
-    while width < _BROAD * power.size:
+    while width < min(_BROAD * power.size, power.size - 1 - _SLOWEST):
         # Half a window apart; a window's power is Gamma with its width for shape.
         start = np.arange(_SLOWEST, power.size - width - 1, max(1, width // 2))
         inside = total[start + width] - total[start]

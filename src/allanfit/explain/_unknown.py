@@ -12,7 +12,7 @@ from jaxtyping import Float
 from scipy.stats import gamma
 
 from . import _search
-from ._chance import score
+from ._chance import log_chance, score
 from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
 from ._climb import filter_slopes
 from ._harmonics import Line, families
@@ -74,7 +74,7 @@ class Unknown(NamedTuple):
 
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
-    _only_lines_were_loud(state)
+    _only_courses_were_loud(state)
     tracked = tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
     _combs(state)
@@ -86,20 +86,24 @@ def look_again(state: Investigation) -> None:
     _bump_instead(state)
 
 
-def _only_lines_were_loud(state: Investigation) -> None:
-    """Take back louder times if the noise beside lines and resonances lasts.
+def _only_courses_were_loud(state: Investigation) -> None:
+    """Take back louder times if the noise beside lines, resonances and steps lasts.
 
-    Less of it would be left if what lines add were counted out twice.
+    Less of it would be left if what lines add were counted out twice; and loud times are found
+    before the steps, of which a whitened record shows each as a jolt.
     """
-    drivers = {course.name for course in state.courses}
+    courses = {course.name for course in state.courses}
     narrow = any(narrow_groups(state)) or state.peaks
-    if state.modulation is None or not narrow or "vibration_rectification" in drivers:
+    if state.modulation is None or "vibration_rectification" in courses:
+        return
+    if not narrow and "step" not in courses:
         return
     white = whitened_piece(state, state.longest, model_only=True)
     if uneven(_broad(state, white))[0] < state.alarm:
         return
-    start = state.longest[0]
-    state.line_times = [(start + a, start + b) for a, b in runs(state.modulation.loud)]
+    if narrow:
+        start = state.longest[0]
+        state.line_times = [(start + a, start + b) for a, b in runs(state.modulation.loud)]
     forget_loud_times(state)
 
 
@@ -316,7 +320,9 @@ def _bump_instead(state: Investigation) -> None:
             own = finding.rivals.get(finding.name, 0.0)
             finding.rivals["bump"] = own + rival - named
     if rival > named:
+        rivals = {kinds.names[0]: named, "bump": rival}
         state.findings = [f for f in state.findings if f.name not in kinds.names]
+        state.findings.append(Finding("bump", log_chance("bump", bump.gain), bump.gain, rivals))
         take_bump(state, bump)
 
 

@@ -27,6 +27,9 @@ _ENOUGH = 200_000
 _PILE, _HIGHER, _NO_CHANCE = 3, 3.0, 1e-4
 # Samples in the bin next to an extreme, at least.
 _IN_BIN = 8
+# Codes as wide as the noise cut a tail into few bins. There as many samples at the end are told by
+# how the codes before it fall, if they are so many times more and as many deviations beyond chance.
+_IN_CODE, _BEYOND, _DEVIATIONS = 50, 1.3, 5.0
 # Parts of a code within which a value lies on one, codes over which their width is known as well,
 # and how much alike the places of values between two codes are then.
 _AT_CODE, _NEAR, _ALIKE = 0.02, 8.0, 0.95
@@ -206,8 +209,12 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     fresh = _fresh(values)
     ends = (fresh.min(), fresh.max())
     codes = [np.abs(fresh - end) / width for end in ends]
+    # Of one code and less the mean itself may stand on the last.
+    noisy = float(np.median(np.abs(np.diff(fresh)))) > 0.99 * width if fresh.size > 1 else False
     return tuple(
-        float(end) for end, each in zip(ends, codes, strict=True) if _piled(each) or _between(each)
+        float(end)
+        for end, each in zip(ends, codes, strict=True)
+        if _piled(each) or _between(each) or (noisy and _stops_falling(each))
     )
 
 
@@ -239,6 +246,20 @@ def _piled(codes: Float64[np.ndarray, " fresh"]) -> bool:
     # One is always at the extreme.
     chance = nbinom.sf(there - 2, near, width / (width + 1))
     return bool(there > _HIGHER * near / width) and bool(chance < _NO_CHANCE)
+
+
+def _stops_falling(codes: Float64[np.ndarray, " fresh"]) -> bool:
+    """Whether a tail that falls toward the end has more there than it falls to.
+
+    Of a normal distribution, as of all that are log-concave, a code has no more than the square of
+    the next one's share over that of the one after, however wide the codes are.
+    """
+    last, next_one, after = (np.count_nonzero(np.abs(codes - k) < 0.5) for k in range(3))
+    if min(last, next_one, after) < _IN_CODE or next_one >= after:
+        return False
+    more = np.log(last * after / next_one**2)
+    deviation = np.sqrt(1 / last + 4 / next_one + 1 / after)
+    return bool(more > np.log(_BEYOND) and more > _DEVIATIONS * deviation)
 
 
 def _about_rails(
