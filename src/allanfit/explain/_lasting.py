@@ -182,6 +182,7 @@ def _samples_of_n(state: Investigation) -> int:
     """As many samples together tell most of N: the square of its share in them, for each sample."""
     share = np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
     sizes = 2 ** np.arange(_MOST_DOUBLINGS)
+    sizes = sizes[0.5 / sizes >= state.left.frequency[0]]
     told = [np.mean(share[state.left.frequency <= 0.5 / size]) ** 2 / size for size in sizes]
     return int(sizes[np.argmax(told)]) if max(told) > _CLEARER * told[0] else 1
 
