@@ -46,7 +46,7 @@ def population_posterior(key, found, layout, scale):
 
     def log_density(x):
         inside = jnp.all((x > low) & (x < high))
-        power = (jnp.exp(x) / scale) ** 2
+        power = (jnp.exp(x) / (scale * data.unit)) ** 2
         value = log_likelihood(power, data.density, data.expected, data.shape)
         return jnp.where(inside, value, -jnp.inf)
 

@@ -75,7 +75,8 @@ def test_simulated_records_scatter_as_planned():
     layout = design((samples,))
 
     def power(x):
-        return solve(target(statistics((x,), layout), layout)).power
+        data = target(statistics((x,), layout), layout)
+        return solve(data).power * data.unit**2
 
     solved = jax.jit(jax.vmap(power))(data)
     found = np.sqrt(np.asarray(solved)) * np.asarray(unit_scale(1 / rate_hz))[:4]

@@ -146,21 +146,24 @@ def test_gaps_are_left_out_and_do_not_bias():
     np.testing.assert_allclose(fit.coefficients["B"], GYRO["B"], rtol=0.35)
 
 
-def test_float32_agrees_with_float64():
+@pytest.mark.parametrize("unit", [1.0, 1e-7, 1e6])
+def test_float32_agrees_with_float64(unit):
+    """In any unit: without its own, float32 has no squares of the powers of rad/s."""
     x = np.asarray(records(GYRO, 1, 8192, 50.0)[0])
     wide = allanfit.fit(x, 50.0)
     widths = {symbol: float(jnp.diff(wide.intervals[symbol])[0]) for symbol in "NBK"}
     values = {symbol: float(wide.coefficients[symbol]) for symbol in "NBK"}
     solved = {symbol: float(wide.least_squares[symbol]) for symbol in "NBK"}
     with jax.enable_x64(False):
-        narrow = allanfit.fit(x.astype(np.float32), 50.0)
+        narrow = allanfit.fit((unit * x).astype(np.float32), 50.0)
         assert narrow.estimate.draws.dtype == jnp.float32
         for symbol in "NBK":
-            width = float(jnp.diff(narrow.intervals[symbol])[0])
-            assert abs(float(narrow.coefficients[symbol]) - values[symbol]) < 0.1 * width, symbol
+            width = float(jnp.diff(narrow.intervals[symbol])[0]) / unit
+            median = float(narrow.coefficients[symbol]) / unit
+            assert abs(median - values[symbol]) < 0.1 * width, symbol
             assert abs(width / widths[symbol] - 1) < 0.2, symbol
             # Least squares has no chance in it: within a twentieth of a standard error.
-            apart = abs(float(narrow.least_squares[symbol]) - solved[symbol])
+            apart = abs(float(narrow.least_squares[symbol]) / unit - solved[symbol])
             assert apart < 0.05 * width / 3.92, symbol
 
 

@@ -79,16 +79,19 @@ def padded_bins(bins: int) -> int:
 
 
 def target(found: Statistics, design: Design) -> Target:
-    """The spectrum that the coefficients are fitted to, normalised to a level near one.
+    """The spectrum that the coefficients are fitted to.
 
     Bins of no weight fill it up, since what follows takes the longest to compile.
     """
-    level = jax.lax.stop_gradient(jnp.median(found.density))
+    # A power of two, which rounds nothing.
+    _, doublings = jnp.frexp(jax.lax.stop_gradient(jnp.median(found.density)))
+    unit = jnp.ldexp(jnp.ones((), found.density.dtype), doublings // 2)
     padding = padded_bins(len(design.ordinates)) - len(design.ordinates)
     return Target(
-        jnp.pad(found.density / level, (0, padding), constant_values=1),
-        jnp.pad(jnp.asarray(design.density) / level, ((0, padding), (0, 0)), constant_values=1),
+        jnp.pad(found.density / unit**2, (0, padding), constant_values=1),
+        jnp.pad(jnp.asarray(design.density), ((0, padding), (0, 0)), constant_values=1),
         jnp.pad(jnp.asarray(design.ordinates) / 2, (0, padding)),
+        unit,
     )
 
 
@@ -135,7 +138,8 @@ def _reduce(stretches: tuple[Float[Array, " _"], ...], design: Design) -> Statis
 def prepare(found: Statistics, design: Design) -> tuple[Target, RampData]:
     """What the fit asks of a record, in shapes that records of many lengths share."""
     design = as_design_dtype(design, found.density.dtype)
-    return target(found, design), ramp_data(found.odd_modes, design)
+    data = target(found, design)
+    return data, ramp_data(found.odd_modes / data.unit, design)
 
 
 @jax.jit
@@ -143,7 +147,7 @@ def conclude(
     data: Target, ramp: RampData, dt: Float[Array, ""], key: PRNGKeyArray
 ) -> dict[str, Array]:
     """All of an `Estimate` but its statistics."""
-    solution, scale = solve(data), unit_scale(dt)
+    solution, scale = solve(data), unit_scale(dt) * data.unit
     power = jax.lax.stop_gradient(solution.power)
     powers, acceptance = _fast_posterior(key, *jax.lax.stop_gradient((solution.power, data)))
     ramp_key = jax.random.fold_in(key, 1)

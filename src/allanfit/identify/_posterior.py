@@ -32,11 +32,13 @@ _TOGETHER = 4
 
 
 class Target(NamedTuple):
-    """Data and expectations of one record, scaled so that every term matters near one."""
+    """Data and expectations of one record, for powers in `unit`^2."""
 
     density: Float[Array, " bins"]
     expected: Float[Array, "bins terms"]
     shape: Float[Array, " bins"]
+    #: In which the density is near one [u]: float32 has no squares of squares of other units.
+    unit: Float[Array, ""]
 
 
 def coarse(target: Target, power: Powers) -> Target:
@@ -57,6 +59,7 @@ def coarse(target: Target, power: Powers) -> Target:
         jnp.where(used, together(weight * target.density) / total, 1.0),
         jnp.where(used[:, None], together(weight[:, None] * target.expected) / total[:, None], 1.0),
         shape,
+        target.unit,
     )
 
 

@@ -111,7 +111,7 @@ def sample(
     design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
     data = target(fit.estimate.statistics, design)
     solution = solve(data)
-    ramp = ramp_data(fit.estimate.statistics.odd_modes, design)
+    ramp = ramp_data(fit.estimate.statistics.odd_modes / data.unit, design)
     space = coordinates(data, solution.power)
     start_key, ramp_key = jax.random.split(jax.random.key(seed))
     start = starting_points(start_key, solution.power, space, _WALKERS)
@@ -128,7 +128,7 @@ def sample(
     state = sampler.run_mcmc(state, _BURN_IN, progress=progress)
     sampler.reset()
     rounds = []
-    scale = np.asarray(unit_scale(1 / fit.rate_hz))
+    scale = np.asarray(unit_scale(1 / fit.rate_hz)) * np.asarray(data.unit)
     for index in range(most_rounds):
         state = sampler.run_mcmc(state, _ROUND, progress=progress)
         chain = np.asarray(sampler.get_chain())[-_ROUND:]
