@@ -5,7 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import gamma
+from scipy.special import digamma, polygamma
+from scipy.stats import chi2, gamma
 
 from allanfit.curves import design
 from allanfit.identify._goodness import goodness_of_fit, score
@@ -124,3 +125,16 @@ def test_goodness_of_fit_is_uniform_under_the_model():
     p = jax.vmap(goodness_of_fit, (0, None, 0))(found.deviance, SHAPE, fitted)
     distance = np.abs(np.sort(p) - (np.arange(1000) + 0.5) / 1000).max()
     assert distance < 1.95 / np.sqrt(1000)
+
+
+def test_goodness_of_fit_keeps_its_digits_in_float32():
+    """At shapes whose logarithm has none left for the difference to the digamma function."""
+    shape = np.geomspace(0.5, 1e6, 60)
+    mean = np.sum(2 * shape * (np.log(shape) - digamma(shape))) - 4
+    variance = np.sum(4 * shape**2 * (polygamma(1, shape) - 1 / shape)) - 8
+    expected = chi2.sf(2 * mean / variance * 70, 2 * mean**2 / variance)
+    with jax.enable_x64(False):
+        found = goodness_of_fit(
+            jnp.asarray(70.0, jnp.float32), jnp.asarray(shape, jnp.float32), jnp.float32(4.0)
+        )
+    np.testing.assert_allclose(found, expected, rtol=1e-3)

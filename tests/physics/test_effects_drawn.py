@@ -398,3 +398,14 @@ def test_vibration_shifts_the_bias():
     shifted = made(VibrationRectification, 0.1).apply(KEY, noise, DT, "point") - noise
     assert shifted[:49_000].mean() == pytest.approx(0.1, rel=0.03)
     assert shifted[51_000:].mean() == pytest.approx(0.4, rel=0.03)
+
+
+def test_a_sinusoid_keeps_its_phase_in_float32():
+    """After 830,000 turns, where float32 knows phases to a twentieth of a turn."""
+    samples, turn = 4_000_000, 850 / 64**2
+    with jax.enable_x64(False):
+        line = Sinusoid(jnp.asarray(1.0), jnp.asarray(850 / 64), jnp.asarray(0.3))
+        drawn = line.apply(jax.random.key(0), jnp.zeros(samples), 1 / 64, "point")
+        assert drawn.dtype == jnp.float32
+    expected = np.sin(2 * np.pi * (turn * np.arange(samples) % 1) + 0.3)
+    np.testing.assert_allclose(drawn, expected, atol=1e-3)

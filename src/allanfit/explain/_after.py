@@ -96,18 +96,20 @@ def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best)
         return
     used = usable(state.values, state.pieces)
     middle = float(np.median(used))
-    reach = abs(rails[0] - middle) if len(rails) == 1 else float(np.ptp(rails)) / 2
     if middle in rails:
         # Most of it is lost.
         return
-    sides = len(rails)
-    share = min(max(state.format.clipped, 1e-9), 0.98)
-    edge = reach - min(state.format.width, reach) / 2
-    sigma = edge / norm.isf(share / sides)
+    reach = np.array(sorted(rails)) - middle
+    # In standard deviations from the mean, which is the median if there is but one rail.
+    beyond = [np.mean(used == rail) for rail in sorted(rails)]
+    place = np.sign(reach) * norm.isf(np.clip(beyond, 1e-9, 0.49))
+    edge = reach - np.sign(reach) * np.minimum(state.format.width, np.abs(reach)) / 2
+    sigma = np.ptp(edge) / np.ptp(place) if len(rails) == 2 else float(edge[0] / place[0])
+    mean = float(np.mean(edge - place * sigma)) if len(rails) == 2 else 0.0
     z = np.linspace(-8, 8, 40001)
-    clipped = np.where(z * sigma > edge, reach, z * sigma)
-    if sides == 2:
-        clipped = np.where(z * sigma < -edge, -reach, clipped)
+    clipped = mean + z * sigma
+    for side, rail, last in zip(np.sign(reach), reach, edge, strict=True):
+        clipped = np.where(side * (mean + z * sigma - last) > 0, rail, clipped)
     density = norm.pdf(z)
     density /= density.sum()
     variance = density @ clipped**2 - (density @ clipped) ** 2

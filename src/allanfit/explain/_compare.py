@@ -280,7 +280,7 @@ def _two_sided(ratio: float, ordinates: float, others: float, tests: int) -> flo
 
 
 def _joined(bands: list[tuple[_Difference, _Cause]]) -> list[tuple[_Difference, _Cause]]:
-    """Neighbouring bands with one cause, as one."""
+    """Bands with one cause as one, where no other cause lies between them."""
     kept: list[tuple[_Difference, _Cause]] = []
     for one, cause in bands:
         last, before = kept[-1] if kept else (one, None)

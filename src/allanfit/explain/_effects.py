@@ -109,6 +109,7 @@ def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str,
 
 def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> list[Effect]:
     kinds, samples = state.model.kinds, state.data.samples
+    findings = state.findings_of(kinds.names)
     found = []
     if draws.filtering is not None:
         cutoff, order, droop = draws.filtering.T
@@ -145,7 +146,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         three = draws.theta[:, begin : begin + EACH].T
         first, second = (np.asarray(each) for each in shape_of(name, three, samples))
         size = np.exp(three[0] / 2)
-        own, others = _probabilities(state.finding(name), name)
+        own, others = _probabilities(findings[place - len(kinds.added)], name)
         disguised = name == "resonance" and place in state.wandering
         if name == "gauss_markov":
             found += _gauss_markov(state, begin, size, first, own, others, dt, seed)
@@ -263,8 +264,10 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     found, steps, felt = [], [], []
     drawn = rng.multivariate_normal(state.sized.sizes, state.sized.covariance, 2000, method="svd")
     ends = np.cumsum([course.sizes for course in state.courses])
-    for course, sizes in zip(state.courses, np.split(drawn, ends[:-1], axis=1), strict=True):
-        own, others = _probabilities(state.finding(course.name), course.name)
+    columns = np.split(drawn, ends[:-1], axis=1)
+    findings = state.findings_of([course.name for course in state.courses])
+    for course, sizes, finding in zip(state.courses, columns, findings, strict=True):
+        own, others = _probabilities(finding, course.name)
         if course.name == "step":
             steps.append((state.moment(course.shape["time"]) * dt, sizes[:, 0], own, others))
         elif course.name == "warm_up":

@@ -66,7 +66,7 @@ def held_out(
     if moved.shape[1]:
         turned = _rotated(np.column_stack([spectrum.amplitude, moved]), variance, seed)
         spectrum, moved = spectrum._replace(amplitude=turned[:, 0]), turned[:, 1:]
-        energy = moved**2 / variance[:, None]
+        energy = moved * _weighted(spectrum, moved, variance)
         share = energy[spectrum.fold == 0].sum(axis=0) / energy.sum(axis=0)
         if np.any(np.abs(share - 0.5) > 0.5 - _LEAST_SHARE):
             return _fission(spectrum, moved, edges, model, data, plain, variance, seed)
@@ -102,8 +102,9 @@ def _rotated(
 
 
 def _fold(spectrum: Ordinates, moved, edges, model: Model, data: Data, plain: Data, variance, fold):
-    train, test = spectrum.fold != fold, spectrum.fold == fold
-    weighted = (moved / variance[:, None])[train]
+    train = spectrum.fold != fold
+    test = (spectrum.fold == fold) & spectrum.clean(spectrum.frequency)
+    weighted = _weighted(spectrum, moved, variance)[train]
     sizes = np.linalg.lstsq(
         weighted.T @ moved[train], weighted.T @ spectrum.amplitude[train], rcond=None
     )[0]
@@ -116,6 +117,11 @@ def _fold(spectrum: Ordinates, moved, edges, model: Model, data: Data, plain: Da
         high = _scores(binned(rest, edges, fold), old, new, model, data, plain)[1]
         scatter = _scatter(spectrum, rest, bins, old, new, data, plain, test) ** 2
     return low, high, float(np.sum(scatter))
+
+
+def _weighted(spectrum: Ordinates, moved, variance) -> Float[np.ndarray, "ordinates columns"]:
+    """By the inverse of the noise's variance, where an ordinate is the noise's own."""
+    return np.where(spectrum.clean(spectrum.frequency), 1 / variance, 0.0)[:, None] * moved
 
 
 def _fitted(train: Bins, model: Model, data: Data, plain: Data) -> tuple[Model, Model]:
@@ -139,11 +145,11 @@ def _scores(test: Bins, old: Model, new: Model, model: Model, data: Data, plain:
 def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, variance, seed):
     noise = np.random.default_rng(seed).standard_normal(variance.size) * np.sqrt(variance)
     total_before = total_after = scatter = 0.0
-    everywhere = np.ones(variance.size, bool)
+    everywhere = spectrum.clean(spectrum.frequency)
     for sign in (1.0, -1.0):
         train = spectrum.less(-sign * noise)
         test = spectrum.less(sign * noise)
-        weighted = moved / variance[:, None]
+        weighted = _weighted(spectrum, moved, variance)
         sizes = np.linalg.lstsq(weighted.T @ moved, weighted.T @ train.amplitude, rcond=None)[0]
         old, _ = _fitted(binned(train, edges), model, data, plain)
         _, new = _fitted(binned(train.less(moved @ sizes), edges), model, data, plain)

@@ -1,5 +1,7 @@
 """Intervals of samples, as flags and as `[start, stop)`."""
 
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Bool
 
@@ -36,10 +38,16 @@ def cut_out(
 
 
 def joined(
-    pieces: tuple[tuple[int, int], ...], intervals: list[tuple[int, int]]
+    pieces: tuple[tuple[int, int], ...],
+    intervals: list[tuple[int, int]],
+    breaks: tuple[int, ...] = (),
 ) -> tuple[tuple[int, int], ...]:
-    """The stretches and some intervals together, one where they touch."""
+    """The stretches and some intervals together, one where they touch but at a break."""
     flags = np.zeros(max(stop for _, stop in (*pieces, *intervals)), bool)
     for start, stop in (*pieces, *intervals):
         flags[start:stop] = True
-    return tuple(runs(flags))
+    whole = []
+    for start, stop in runs(flags):
+        ends = [start, *(each for each in breaks if start < each < stop), stop]
+        whole += pairwise(ends)
+    return tuple(whole)

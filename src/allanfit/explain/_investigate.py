@@ -42,6 +42,7 @@ from ._unknown import look_again
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008
+# Rounds that take no line.
 _MOST_ROUNDS = 10
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples")
@@ -137,7 +138,7 @@ def _with_switches(
     stepped = any(course.name == "step" for course in state.courses)
     if "gauss_markov" not in state.model.kinds.added or not (state.knocks or stepped):
         return None
-    pieces = joined(state.pieces, state.knocks)
+    pieces = joined(state.pieces, state.knocks, state.breaks)
     whole = _begin_again(state, pieces, power)
     whole.knocks = []
     whole.findings = [each for each in whole.findings if each.name != "disturbance"]
@@ -175,20 +176,25 @@ def _take_all(state: Investigation, drivers: dict[str, Float[np.ndarray, "sample
     """Rounds, until nothing is left that is needed."""
     if state.modulation is not None and state.contamination is None:
         drivers = {**drivers, "vibration_rectification": loudness(state)}
-    for _ in range(_MOST_ROUNDS):
-        if not take_one(state, drivers):
-            break
+    rounds = 0
+    while rounds < _MOST_ROUNDS + len(state.lines) and take_one(state, drivers):
+        rounds += 1
 
 
 def _reconsider(state: Investigation) -> None:
     """Take back what later effects have made superfluous."""
-    for name in state.model.kinds.names:
-        start = _search.without(state.model, name)
+    place = 0
+    while place < len(state.model.kinds.names):
+        names = state.model.kinds.names
+        start = _search.without(state.model, place)
         less = _search.best([(start.kinds, start.theta)], state.data)[0]
         gain = less.deviance - state.model.deviance
-        if log_chance(name, gain) > np.log(state.alarm):
+        if log_chance(names[place], gain) > np.log(state.alarm):
+            gone = state.findings_of(names)[place]
+            state.findings = [each for each in state.findings if each is not gone]
             state.model = less
-            state.findings = [f for f in state.findings if f.name != name]
+        else:
+            place += 1
     if state.sized is not None:
         resize(state)
         _reconsider_courses(state)

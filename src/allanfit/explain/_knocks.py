@@ -106,13 +106,13 @@ def steps_instead(state: Investigation, piece: tuple[int, int], changing: Modula
     for a, b in found:
         middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
         course = _means.polish(
-            _means.step(round(middle), state.values.size),
+            _means.step(round(middle), state.values.size)._replace(length=_STEP_PATH),
             lambda at: _means.step(round(at), state.values.size),
             middle,
             half / 2,
             lambda tried: -with_course(state, tried).cost,
         )
-        gain, log_p = evidence(state, course._replace(length=_STEP_PATH))
+        gain, log_p = evidence(state, course)
         if log_p > 2 * np.log(state.alarm):
             break
         finding = Finding("step", log_p, gain)

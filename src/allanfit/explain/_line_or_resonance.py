@@ -11,7 +11,7 @@ from . import _search
 from ._narrow import Narrow, alone, density_of, narrow_groups, narrow_noises, resolve
 from ._one_phase import OnePhase, one_phase
 from ._search import Model
-from ._state import Finding, Investigation, whitened_piece
+from ._state import Investigation, whitened_piece
 from ._structure import EACH, NARROW, bounds, free
 from ._tracked import normal_likelihood, tracked_likelihood
 
@@ -48,7 +48,8 @@ def tell_apart(state: Investigation) -> dict[int, float]:
 
 
 def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow) -> float:
-    finding = _finding(state, one)
+    names = state.model.kinds.names
+    finding = state.findings_of(names)[one.place - len(state.model.kinds.added)]
     if finding is None:
         return 0.0
     fitted = {name: _as(state, one, name) for name in NARROW}
@@ -90,13 +91,6 @@ def in_one_phase(
 def _spread(one: Narrow) -> float:
     """The standard deviation of a line's frequency, or what looks like it."""
     return one.width if one.name == _LINE else one.width / (2 * _ALIKE)
-
-
-def _finding(state: Investigation, one: Narrow) -> Finding | None:
-    """The finding that belongs to a noise of the model: both are in the order they were found."""
-    alike = [each for each in state.findings if each.name == one.name]
-    before = state.model.kinds.added[: one.place].count(one.name)
-    return alike[before] if before < len(alike) else None
 
 
 def _as(state: Investigation, one: Narrow, name: str) -> Model:

@@ -197,7 +197,8 @@ def polish(
             if reached > best_gain:
                 best_gain, best_course, value = reached, tried, candidate
         spread /= 2
-    return best_course
+    # As many were looked at to find it.
+    return best_course._replace(places=course.places, length=course.length)
 
 
 def moved_by(

@@ -155,7 +155,7 @@ def _band(state: Investigation, effect: Effect, dt: float) -> tuple[float, float
         if effect.band_hz is not None:
             return effect.band_hz
         return 0.5 / (state.spectrum.longest * dt), 0.5 / dt
-    start = _search.without(state.model, name)
+    start = _search.without(state.model, state.model.kinds.names.index(name))
     less = _search.best([(start.kinds, start.theta)], state.data)[0]
     after = _search.mean_density(state.model, state.data)
     before = _search.mean_density(less, state.data)

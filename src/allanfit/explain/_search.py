@@ -338,16 +338,14 @@ def rise_without(term: int, model: Model, data: Data) -> float:
     return less.deviance - model.deviance
 
 
-def without(model: Model, name: str) -> Model:
-    """The structure less the last effect of this name, where its other parameters are."""
-    kinds, theta = model.kinds, model.theta
-    if kinds.shaping is not None and kinds.names[0] == name:
-        kept = np.concatenate([theta[:TERMS], theta[TERMS + EACH :]])
+def without(model: Model, place: int) -> Model:
+    """The structure less one of `kinds.names`, where its other parameters are."""
+    kinds, begin = model.kinds, TERMS + EACH * place
+    kept = np.concatenate([model.theta[:begin], model.theta[begin + EACH :]])
+    if kinds.shaping is not None and place == 0:
         return Model(kinds._replace(shaping=None), kept, model.deviance)
-    place = len(kinds.added) - 1 - kinds.added[::-1].index(name)
-    begin = kinds.first_slot + EACH * place
+    place -= kinds.shaping is not None
     added = kinds.added[:place] + kinds.added[place + 1 :]
-    kept = np.concatenate([theta[:begin], theta[begin + EACH :]])
     return Model(kinds._replace(added=added), kept, model.deviance)
 
 

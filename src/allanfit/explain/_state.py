@@ -154,10 +154,19 @@ class Investigation:
         return _means.ordinate_variance(self.spectrum, self.model, self.data)
 
     def moment(self, index: int | float) -> float:
-        """When a value was taken, gaps included, in intervals of the values."""
+        """When a value was taken, with all that were lost, in intervals of the values."""
         if self.at is None:
-            return float(index)
+            last = min(int(index), self.place.size - 1)
+            return float(self.place[last] + index - last)
         return float(self.at[min(int(index), self.at.size - 1)]) / self.stride
+
+    def findings_of(self, names: Sequence[str]) -> list[Finding | None]:
+        """Of each of the model's effects, or of the courses: all are in the order they were found.
+
+        Findings of effects that were taken back by a new beginning come before.
+        """
+        left = {name: [each for each in self.findings if each.name == name] for name in names}
+        return [left[name].pop() if left[name] else None for name in reversed(names)][::-1]
 
     def finding(self, name: str) -> Finding | None:
         """The first finding of this name."""
@@ -282,15 +291,10 @@ def add_course(state: Investigation, course: Course, finding: Finding) -> None:
 
 def drop_courses(state: Investigation, gone: list[Course]) -> None:
     """Take back courses that were none, with their findings."""
-    bare = []
-    for name in {course.name for course in gone}:
-        alike = [course for course in state.courses if course.name == name]
-        named = [finding for finding in state.findings if finding.name == name]
-        # Added together they are in one order; findings of a record that was cut come before.
-        pairs = zip(reversed(alike), reversed(named), strict=False)
-        bare += [finding for course, finding in pairs if _is_one_of(course, gone)]
-    state.findings = [each for each in state.findings if not _is_one_of(each, bare)]
     kept = [not _is_one_of(course, gone) for course in state.courses]
+    named = state.findings_of([course.name for course in state.courses])
+    bare = [finding for finding, stays in zip(named, kept, strict=True) if not stays]
+    state.findings = [each for each in state.findings if not _is_one_of(each, bare)]
     state.courses = list(compress(state.courses, kept))
     state.moved = list(compress(state.moved, kept))
     if not state.courses:

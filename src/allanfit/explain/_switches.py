@@ -64,7 +64,8 @@ def _quiet_without(
     start, stop = whole.longest
     values = whole.values[start:stop]
     rest = values - height * _levels_in_time(values, levels.high, round(constant))
-    bare = _search.without(whole.model, "gauss_markov")
+    names = whole.model.kinds.names
+    bare = _search.without(whole.model, names.index("gauss_markov"))
     spectrum = ordinates((rest,), whole.sampling)
     variance = _means.ordinate_variance(spectrum, bare, whole.data)
     white = whitened(rest, spectrum, level(spectrum, variance))

@@ -60,7 +60,7 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
 _AXES = {"times": 1, "heights": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
 _FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass"}
-_SIGNED = {"amplitude", "height", "sensitivity", "quadratic", "coefficient", "droop", "low", "high"}
+_SIGNED = {"amplitude", "height", "sensitivity", "quadratic", "coefficient", "low", "high"}
 # Of the others, those that have bounds other than zero.
 _RANGES = {
     "sigma": (0.0, math.inf),
@@ -71,6 +71,7 @@ _RANGES = {
     "repeat": (1.0, math.inf),
     "order": (math.nextafter(0.5, 1), math.inf),
     "exponent": (0.0, 3.0),
+    "droop": (-math.inf, 1.0),
 }
 _RANGE_WORDS = {
     "sigma": "zero or more",
@@ -81,6 +82,7 @@ _RANGE_WORDS = {
     "repeat": "1 or more",
     "order": "above 0.5",
     "exponent": "between 0 and 3",
+    "droop": "1 or less",
 }
 
 

@@ -10,6 +10,10 @@ from ._effect import AbstractMean, Parameter
 from ._term import Sampling
 
 
+# Turns that are counted together.
+_AT_ONCE = 1024
+
+
 class Sinusoid(AbstractMean):
     """A sin(2 pi f t + phase), of constant amplitude A [u] and frequency f [Hz].
 
@@ -40,5 +44,15 @@ class Sinusoid(AbstractMean):
         phase = self.phase
         if phase is None:
             phase = jax.random.uniform(key, maxval=2 * jnp.pi)
-        time = dt * jnp.arange(samples.shape[0])
-        return samples + Sinusoid(self.amplitude, self.frequency, phase).mean(time)
+        turned = 2 * jnp.pi * _turns(self.frequency * dt, samples.shape[0])
+        return samples + self.amplitude * jnp.sin(turned + phase)
+
+
+def _turns(step: Float[Array, ""], samples: int) -> Float[Array, " samples"]:
+    """Multiples of a part of a turn, less all whole ones.
+
+    In float32 the turns of a long record have no digits left for the part.
+    """
+    many, few = jnp.divmod(jnp.arange(samples), _AT_ONCE)
+    # Times a power of two nothing is rounded.
+    return (many * (_AT_ONCE * step % 1) + few * step) % 1
