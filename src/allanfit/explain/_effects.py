@@ -373,8 +373,7 @@ def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effec
 
 def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     changing = finding.detail
-    start = state.longest[0]
-    times = _seconds(state, [(start + a, start + b) for a, b in runs(changing.loud)], dt)
+    times = _seconds(state, runs(state.flags(changing.loud)), dt)
     others = {"disturbance": 0.03}
     return [
         Effect("variance_modulation", 0.95, others, {"ratio": changing.draws}, {"intervals": times})

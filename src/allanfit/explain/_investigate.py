@@ -45,7 +45,7 @@ ALARM = 0.0008
 # Rounds that take no line.
 _MOST_ROUNDS = 10
 # What stays found when times are cut out.
-_KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples")
+_KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
 _FREE = 0.5
 # A bump within such a part of a peak's width is about it.
@@ -164,6 +164,8 @@ def _begin_again(
     later.knocks, later.witnesses = state.knocks, state.witnesses
     later.stride, later.at = state.stride, state.at
     later.breaks, later.place = state.breaks, state.place
+    # Spikes are no longer among the values.
+    later.contamination, later.foreign = state.contamination, state.foreign - state.loud_variance
     # Where the output keeps clear of its rails they are no less there.
     rails = state.format.rails
     clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))

@@ -8,7 +8,7 @@ from ._bursts import Burst
 from ._held_out_values import of_times
 from ._intervals import runs, widened
 from ._spread import Modulation
-from ._state import Finding, Investigation, add_course, evidence, whitened_piece, with_course
+from ._state import Finding, Investigation, add_course, evidence, whitened_pieces, with_course
 
 # A knock is cut out with so many windows on either side.
 _MARGIN = 2
@@ -25,15 +25,11 @@ _NEARLY_ALL, _FAR_OUT = 0.99, 5.0
 
 
 def knock(
-    state: Investigation,
-    piece: tuple[int, int],
-    changing: Modulation,
-    white: Float[np.ndarray, " samples"],
+    state: Investigation, changing: Modulation, white: Float[np.ndarray, " looked_at"]
 ) -> None:
     """The loud times are a disturbance, to be cut out with a margin."""
     # With their margins some may be one.
-    cut = widened(changing.loud, changing.window * _MARGIN)
-    state.knocks = [(piece[0] + a, piece[0] + b) for a, b in runs(cut)]
+    state.knocks = runs(widened(state.flags(changing.loud), changing.window * _MARGIN))
     log_p = float(np.log(max(changing.p_value, 1e-300)))
     state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
     state.gains["disturbance"] = of_times(white, changing.loud)
@@ -44,16 +40,15 @@ def moved_while_loud(state: Investigation) -> bool:
 
     The sensor was moved then, however little louder it is. If so these times have to be cut out.
     """
-    changing, piece = state.modulation, state.longest
+    changing = state.modulation
     if changing is None or state.knocks or changing.loud.mean() > BRIEF_SHARE:
         return False
-    near = np.zeros(state.values.size + 1, bool)
-    near[piece[0] : piece[1]] = widened(changing.loud, changing.window)
+    near = np.append(widened(state.flags(changing.loud), changing.window), False)
     steps = [round(course.shape["time"]) for course in state.courses if course.name == "step"]
     rectified = any(course.name == "vibration_rectification" for course in state.courses)
     if not (rectified or steps) or not near[steps].all():
         return False
-    knock(state, piece, changing, whitened_piece(state, piece))
+    knock(state, changing, whitened_pieces(state))
     return True
 
 
@@ -93,18 +88,18 @@ def as_modulation(white: Float[np.ndarray, " samples"], brief: Burst) -> Modulat
     )
 
 
-def steps_instead(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
+def steps_instead(state: Investigation, changing: Modulation) -> bool:
     """Whether the mean jumps where it is loud: whitening makes a pulse of a step.
 
     Takes the steps if so; else leaves everything as it was.
     """
-    found = runs(changing.loud)
+    found = runs(state.flags(changing.loud))
     if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
         return False
     before = (list(state.courses), list(state.moved), state.sized, state.model, state.data)
     taken: list[Finding] = []
     for a, b in found:
-        middle, half = piece[0] + (a + b) / 2, max((b - a) / 2, changing.window)
+        middle, half = (a + b) / 2, max((b - a) / 2, changing.window)
         course = _means.polish(
             _means.step(round(middle), state.values.size)._replace(length=_STEP_PATH),
             lambda at: _means.step(round(at), state.values.size),

@@ -18,6 +18,7 @@ from ._state import (
     rebin,
     refit,
     whitened_piece,
+    whitened_pieces,
 )
 from ._whiten import level
 
@@ -46,14 +47,15 @@ def about_spread(state: Investigation, seed: int) -> bool:
     if not state.format.normal:
         # Discrete or held samples are not normal, and their whitened record is not either.
         return False
-    piece = state.longest
-    at_the_ends = None if state.knocks else wrong_ends(state.values[piece[0] : piece[1]])
+    at_the_ends = None if state.knocks else _at_the_ends(state)
     if at_the_ends is not None:
-        knock(state, piece, at_the_ends, whitened_piece(state, piece))
+        knock(state, at_the_ends, whitened_pieces(state))
         return True
-    rough = whitened_piece(state, piece)
+    rough = whitened_piece(state, state.longest)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
-    white = _without_ends(whitened_piece(state, piece, notches))
+    white = np.concatenate(
+        [_without_ends(whitened_piece(state, piece, notches)) for piece in state.long_pieces]
+    )
     changing, heard = _modulation_of_n(state, white, seed)
     state.witness(
         "variance in time",
@@ -62,13 +64,13 @@ def about_spread(state: Investigation, seed: int) -> bool:
         "Windowed variances of the whitened record, compared.",
     )
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
-    loud = loud and not _cut_while_quiet(state, piece, changing)
+    loud = loud and not _cut_while_quiet(state, changing)
     if loud and not state.knocks:
         share = changing.loud.mean()
-        if share < _KNOCK_SHARE and steps_instead(state, piece, changing):
+        if share < _KNOCK_SHARE and steps_instead(state, changing):
             return about_spread(state, seed)
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
-            knock(state, piece, changing, white)
+            knock(state, changing, white)
             return True
     if loud:
         state.modulation = changing
@@ -86,9 +88,9 @@ def about_spread(state: Investigation, seed: int) -> bool:
     )
     if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < BRIEF_SHARE:
         knocked = as_modulation(white, brief)
-        if steps_instead(state, piece, knocked):
+        if steps_instead(state, knocked):
             return about_spread(state, seed)
-        knock(state, piece, knocked, white)
+        knock(state, knocked, white)
         return True
     mean = level(state.left, state.variance)
     box = _uniform_part(state, mean)
@@ -102,7 +104,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
     # How tall a spike of one unit is in the whitened record.
     height = float(np.mean(1 / np.sqrt(mean / 2)))
     if loud:
-        added = _loud_variance(state, piece, changing)
+        added = _loud_variance(state, changing)
         # As loud as it gets, in all of the spectrum or in the white part of it.
         share = float(changing.loud.mean())
         quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
@@ -120,7 +122,8 @@ def about_spread(state: Investigation, seed: int) -> bool:
     spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
     # A mixture of two shapes of one width has short tails.
     tails = spiky.fraction > USUAL and spiky.amplitude > spiky.sigma / 2
-    if spikes or (tails and spiky.gain > _LONG_TAILED):
+    new = state.contamination is None
+    if new and (spikes or (tails and spiky.gain > _LONG_TAILED)):
         state.contamination = _in_units(spiky, height)
         state.findings.append(
             Finding(
@@ -136,7 +139,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         if spiky.fraction > USUAL:
             wrong = 0.0
         elif clear.mean() < _RARE:
-            _excise(state, piece, clear, mean, seed)
+            _excise(state, clear, mean, seed)
             wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
         else:
             wrong = float(np.var(even)) - spiky.sigma**2
@@ -146,12 +149,25 @@ def about_spread(state: Investigation, seed: int) -> bool:
     return False
 
 
-def _cut_while_quiet(state: Investigation, piece: tuple[int, int], changing: Modulation) -> bool:
+def _at_the_ends(state: Investigation) -> Modulation | None:
+    """Samples at the ends of stretches that are wrong."""
+    found = [(piece, wrong_ends(state.values[slice(*piece)])) for piece in state.long_pieces]
+    wrong = [(piece, ends) for piece, ends in found if ends is not None]
+    if not wrong:
+        return None
+    loud = np.zeros(state.values.size, bool)
+    for piece, ends in wrong:
+        loud[slice(*piece)] = ends.loud
+    worst = max((ends for _, ends in wrong), key=lambda ends: ends.ratio)
+    return worst._replace(loud=loud[state.looked_at])
+
+
+def _cut_while_quiet(state: Investigation, changing: Modulation) -> bool:
     """Whether more samples stand at the rails in quiet times: these are quiet since they are cut.
 
     Noise that is stronger at times reaches its rails more often then.
     """
-    cut = np.isin(state.values[piece[0] : piece[1]], state.format.rails)
+    cut = np.isin(state.values[state.looked_at], state.format.rails)
     return bool(np.mean(cut[~changing.loud]) > np.mean(cut[changing.loud]))
 
 
@@ -212,14 +228,16 @@ def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " s
     return white
 
 
-def _loud_variance(state: Investigation, piece: tuple[int, int], changing: Modulation) -> float:
+def _loud_variance(state: Investigation, changing: Modulation) -> float:
     """White variance that loud times add to the mean of all [u^2].
 
     The quiet times alone, as stretches of a record of their own, have an N of their own.
     """
+    calm = ~state.flags(changing.loud)
     quiet = tuple(
-        state.values[piece[0] + a : piece[0] + b]
-        for a, b in runs(~changing.loud)
+        state.values[start + a : start + b]
+        for start, stop in state.long_pieces
+        for a, b in runs(calm[start:stop])
         if b - a >= _SHORTEST_QUIET
     )
     if not quiet:
@@ -259,8 +277,7 @@ def _in_units(found: Contamination, height: float) -> Contamination:
 
 def _excise(
     state: Investigation,
-    piece: tuple[int, int],
-    clear: Bool[np.ndarray, " samples"],
+    clear: Bool[np.ndarray, " looked_at"],
     mean: Float[np.ndarray, " ordinates"],
     seed: int,
 ) -> None:
@@ -272,12 +289,11 @@ def _excise(
     """
     noise = np.sqrt(1 / np.mean(2 / mean)) * np.random.default_rng(seed).normal(size=clear.sum())
     values = state.values.copy()
-    inside = values[piece[0] : piece[1]]
-    good = np.flatnonzero(~clear)
-    for at, own in zip(np.flatnonzero(clear), noise, strict=True):
+    good, wrong = state.looked_at[~clear], state.looked_at[clear]
+    for at, own in zip(wrong, noise, strict=True):
         place = int(np.searchsorted(good, at))
         near = good[max(place - 4, 0) : place + 4]
-        inside[at] = inside[near].mean() + own
+        values[at] = values[near].mean() + own
     state.values = values
     parts = tuple(values[start:stop] for start, stop in state.pieces)
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
@@ -288,11 +304,10 @@ def loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:
     """Local variance of the fast noise [u^2], smooth, centred: what may rectify."""
     changing = state.modulation
     assert changing is not None
-    start, stop = state.longest
     share = float(changing.loud.mean())
     added = (changing.ratio**2 - 1) / (1 + share * (changing.ratio**2 - 1))
     # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
     whitened = float(np.mean(2 / state.variance))
     column = np.zeros(state.values.size)
-    column[start:stop] = np.where(changing.loud, added / whitened, 0.0)
-    return (column - column[start:stop].mean())[:, None]
+    column[state.looked_at] = np.where(changing.loud, added / whitened, 0.0)
+    return (column - column[state.looked_at].mean())[:, None]

@@ -353,6 +353,7 @@ def _at_its_edges(state: Investigation, course: Course) -> Course:
     assert changing is not None
     sized = with_course(state, course)
     variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-    loud = sharpened(changing.loud, changing.window, state.values[start:stop], sized.left, variance)
-    state.modulation = changing._replace(loud=loud)
+    loud, values = state.flags(changing.loud), state.values[start:stop]
+    loud[start:stop] = sharpened(loud[start:stop], changing.window, values, sized.left, variance)
+    state.modulation = changing._replace(loud=loud[state.looked_at])
     return course._replace(template=loudness(state))

@@ -6,7 +6,7 @@ from itertools import compress, pairwise
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from ..physics import Sampling
 from . import _means, _search
@@ -38,6 +38,8 @@ from ._whiten import level, whitened
 _NEAR_ZERO = 0.002
 # Half the degrees of freedom of a bin whose density is known to a tenth.
 _MANY = 100.0
+# Samples of which a spectrum's lowest ordinates are a small part.
+_LONG = 256
 
 
 @dataclass
@@ -123,6 +125,23 @@ class Investigation:
     def longest(self) -> tuple[int, int]:
         """The longest stretch."""
         return max(self.pieces, key=lambda piece: piece[1] - piece[0])
+
+    @property
+    def looked_at(self) -> Int[np.ndarray, " looked_at"]:
+        """The samples that are asked whether the noise lasts: of all but the shortest stretches."""
+        return np.concatenate([np.arange(*piece) for piece in self.long_pieces])
+
+    @property
+    def long_pieces(self) -> list[tuple[int, int]]:
+        """The stretches that say by themselves how strong their noise is, and the longest."""
+        longest = self.longest
+        return [p for p in self.pieces if p == longest or p[1] - p[0] >= _LONG]
+
+    def flags(self, looked_at: Bool[np.ndarray, " looked_at"]) -> Bool[np.ndarray, " samples"]:
+        """What is true of samples that were looked at, of all samples."""
+        whole = np.zeros(self.values.size, bool)
+        whole[self.looked_at] = looked_at
+        return whole
 
     @property
     def lines(self) -> list[Course]:
@@ -313,6 +332,15 @@ def resize(state: Investigation) -> None:
         state.spectrum, state.all_moved, state.model, state.data, state.edges, shapes_too=True
     )
     state.model, state.data = state.sized.model, state.sized.data
+
+
+def whitened_pieces(
+    state: Investigation, notches=(), *, model_only: bool = False
+) -> Float[np.ndarray, " looked_at"]:
+    """All that are `looked_at`, each stretch made white by itself."""
+    return np.concatenate(
+        [whitened_piece(state, p, notches, model_only=model_only) for p in state.long_pieces]
+    )
 
 
 def whitened_piece(

@@ -98,12 +98,11 @@ def _only_courses_were_loud(state: Investigation) -> None:
         return
     if not narrow and "step" not in courses:
         return
-    white = whitened_piece(state, state.longest, model_only=True)
-    if uneven(_broad(state, white))[0] < state.alarm:
+    pieces = [whitened_piece(state, each, model_only=True) for each in state.long_pieces]
+    if uneven(np.concatenate([_broad(state, white) for white in pieces]))[0] < state.alarm:
         return
     if narrow:
-        start = state.longest[0]
-        state.line_times = [(start + a, start + b) for a, b in runs(state.modulation.loud)]
+        state.line_times = runs(state.flags(state.modulation.loud))
     forget_loud_times(state)
 
 
@@ -253,7 +252,7 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     made_white = state.left.frequency, state.variance
     found = reshaped(parts(powers), *made_white)
     if state.modulation is not None:
-        loud = shares(state.modulation.loud)
+        loud = shares(state.flags(state.modulation.loud)[slice(*state.longest)])
         found = reshaped([powers[loud > 0.99], powers[loud < 0.01]], *made_white) or found
     else:
         found = found or _corner_moves(state, powers)
@@ -368,7 +367,8 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     if not white.any():
         return
     if state.modulation is not None:
-        white = white / np.where(state.modulation.loud, state.modulation.ratio, 1.0)
+        loud = state.flags(state.modulation.loud)[slice(*state.longest)]
+        white = white / np.where(loud, state.modulation.ratio, 1.0)
     white = np.clip(white / white.std(), -PULLED_IN, PULLED_IN)
     found = swinging(white)
     if found is None:

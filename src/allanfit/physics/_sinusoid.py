@@ -9,7 +9,6 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from ._effect import AbstractMean, Parameter
 from ._term import Sampling
 
-
 # Turns that are counted together.
 _AT_ONCE = 1024
 

@@ -1,0 +1,57 @@
+"""A record with a gap: what is in its shorter stretch counts as much."""
+
+import numpy as np
+import pytest
+
+from allanfit.explain._investigate import investigate
+
+SAMPLES = 30_000
+PIECES = ((0, 17_000), (17_200, SAMPLES))
+
+
+def spikes(values, rng):
+    hit = rng.random(SAMPLES) < 0.003
+    values[hit] += 12 * rng.standard_normal(hit.sum())
+
+
+def knock(values, rng):
+    values[25_000:25_200] += 8 * rng.standard_normal(200)
+
+
+def loud(values, rng):
+    values[20_000:26_000] += rng.standard_normal(6000)
+
+
+def edge(values, rng):
+    values[17_200] = 150.0
+
+
+@pytest.mark.parametrize(
+    ("causes", "names"),
+    [
+        ((spikes,), {"outliers"}),
+        ((knock,), {"disturbance"}),
+        ((loud,), {"variance_modulation"}),
+        ((edge,), {"disturbance"}),
+        # The second is cut out once the first has been found.
+        ((spikes, knock), {"outliers", "disturbance"}),
+    ],
+    ids=["spikes", "knock", "loud", "edge", "knock beside spikes"],
+)
+def test_what_disturbs_the_shorter_stretch_is_found_there(causes, names):
+    rng = np.random.default_rng(21)
+    values = rng.standard_normal(SAMPLES) + 0.006 * np.cumsum(rng.standard_normal(SAMPLES))
+    for cause in causes:
+        cause(values, rng)
+    state = investigate(values, PIECES, "point", np.array([0.0, 1.0, 0.0, 3e-5]))
+    assert {finding.name for finding in state.findings} == names
+    # To three standard deviations of 1/sqrt(2 x 30,000).
+    assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.0125
+    if edge in causes:
+        assert state.knocks == [(17_198, 17_203)]
+    elif knock in causes:
+        ((start, stop),) = state.knocks
+        assert 24_500 < start <= 25_000 <= 25_200 <= stop < 25_700
+    elif loud in causes:
+        ends = np.flatnonzero(state.flags(state.modulation.loud))[[0, -1]]
+        assert ends == pytest.approx([20_000, 26_000], abs=300)
