@@ -7,7 +7,8 @@ from scipy.stats import chi2
 
 # A swing of the noise is looked for between so many periods and so few samples a period.
 _FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
-_TILE = 256
+#: Samples of a tile.
+TILE = 256
 _BANDS = 12
 # A spectrum is watched in so many parts of the record.
 _MOST_PARTS = 24
@@ -16,6 +17,8 @@ _RESHAPED = 1e-6
 # And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
 _PLAIN = 0.1
 _FULL = 0.5
+# Less of a tile's power is none; more of a tile is all of it.
+_CUT, _NEARLY_ALL = 0.02, 0.99
 # Of the cosines over all tiles the slowest are looked at: one in so many.
 _SLOWEST = 8
 
@@ -25,7 +28,7 @@ Powers = Float[np.ndarray, "_ frequencies"]
 
 def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
     """Powers of short pieces of a white record, from zero to the Nyquist frequency: ones."""
-    return np.abs(np.fft.rfft(_tiled(white))) ** 2 / _TILE
+    return np.abs(np.fft.rfft(_tiled(white))) ** 2 / TILE
 
 
 def shares(flags: Bool[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
@@ -34,8 +37,8 @@ def shares(flags: Bool[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
 
 
 def _tiled(values: np.ndarray) -> np.ndarray:
-    count = values.size // _TILE
-    return values[: count * _TILE].reshape(count, _TILE)
+    count = values.size // TILE
+    return values[: count * TILE].reshape(count, TILE)
 
 
 def parts(powers: Powers) -> list[Powers]:
@@ -56,7 +59,7 @@ def reshaped(
     """
     if len(groups) < 2 or min(len(group) for group in groups) < _BANDS:
         return None
-    edges = np.unique(np.geomspace(1, _TILE // 2, _BANDS + 1).round().astype(int))
+    edges = np.unique(np.geomspace(1, TILE // 2, _BANDS + 1).round().astype(int))
     count, low = np.diff(edges), edges[:-1]
     banded = [np.add.reduceat(group, edges, axis=1)[:, :-1] / count for group in groups]
     mean = np.stack([each.mean(axis=0) for each in banded])
@@ -66,7 +69,7 @@ def reshaped(
     if kept.sum() < 4:
         return None
     mean, variance, count, low = mean[:, kept], variance[:, kept], count[kept], low[kept]
-    middle = np.sqrt(low * (low + count - 1)) / _TILE
+    middle = np.sqrt(low * (low + count - 1)) / TILE
     usual = np.average(mean, axis=0, weights=[len(group) for group in groups])
     # Whitened by their mean, white noise that is added weighs as one over the density there.
     weight = 1 / np.interp(middle, frequency, variance_there)
@@ -81,6 +84,33 @@ def reshaped(
     if log_p > np.log(_RESHAPED) or size < _PLAIN:
         return None
     return float(middle[int(np.argmax(np.sum(rest**2 / variance, axis=0)))]), log_p
+
+
+def reshaped_at_times(
+    powers: Powers, share: Float[np.ndarray, " tiles"], density: Float[np.ndarray, " frequencies"]
+) -> tuple[float, float] | None:
+    """The same of the tiles of which a `share` of one is loud, against those of none.
+
+    `density` is what a tile's frequencies were made white with. Loud tiles may be many times as
+    strong: they are measured by the quiet ones, and not by the mean of all.
+    """
+    loud, quiet = loud_and_quiet(powers, share)
+    usual = quiet_spectrum(quiet)
+    at = np.arange(powers.shape[1]) / TILE
+    return reshaped([loud / usual, quiet / usual], at, density * usual)
+
+
+def loud_and_quiet(powers: Powers, share: Float[np.ndarray, " tiles"]) -> tuple[Powers, Powers]:
+    """The tiles of which all is loud, and those of which nothing is."""
+    return powers[share > _NEARLY_ALL], powers[share < 1 - _NEARLY_ALL]
+
+
+def quiet_spectrum(quiet: Powers) -> Float[np.ndarray, " frequencies"]:
+    """The mean of tiles, or one where a line was cut out."""
+    if not len(quiet):
+        return np.ones(quiet.shape[1])
+    usual = quiet.mean(axis=0)
+    return np.where(usual > _CUT, usual, 1.0)
 
 
 def moved_along(powers: Powers, contrast: Float[np.ndarray, " frequencies"]) -> tuple[float, float]:
@@ -110,10 +140,10 @@ def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None
     power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
     usable = np.zeros(power.size, bool)
     usable[_FEWEST_SWINGS : power.size * 2 // _FEWEST_SAMPLES] = True
-    if usable.sum() < _TILE:
+    if usable.sum() < TILE:
         return None
     # A strong resonance makes the squares uneven: each stretch of them by its own median.
-    block = _TILE
+    block = TILE
     starts = np.arange(0, power.size, block)
     own = np.array([np.median(power[a : a + block]) for a in starts]) / np.log(2)
     power = power / np.maximum(np.repeat(own, block)[: power.size], 1.0)

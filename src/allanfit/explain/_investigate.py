@@ -162,6 +162,15 @@ def _begin_again(
     later.findings = [each for each in state.findings if each.name in _KEPT]
     later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
     later.knocks, later.witnesses = state.knocks, state.witnesses
+    if state.vibration is not None and state.modulation is not None:
+        # So it is with vibration.
+        loud = state.flags(state.modulation.loud)[later.looked_at]
+        later.modulation = state.modulation._replace(loud=loud)
+        later.vibration = state.vibration._replace(times=later.modulation)
+        found = state.finding("variance_modulation")
+        if found is not None:
+            later.findings.append(replace(found, detail=later.modulation))
+            later.gains[found.name] = state.gains[found.name]
     later.stride, later.at = state.stride, state.at
     later.breaks, later.place = state.breaks, state.place
     # Spikes are no longer among the values.
@@ -176,8 +185,9 @@ def _begin_again(
 
 def _take_all(state: Investigation, drivers: dict[str, Float[np.ndarray, "samples columns"]]):
     """Rounds, until nothing is left that is needed."""
-    if state.modulation is not None and state.contamination is None:
-        drivers = {**drivers, "vibration_rectification": loudness(state)}
+    spiky = state.contamination is not None and state.vibration is None
+    if state.modulation is not None and not spiky:
+        drivers = {**drivers, "vibration_rectification": loudness(state, state.modulation)}
     rounds = 0
     while rounds < _MOST_ROUNDS + len(state.lines) and take_one(state, drivers):
         rounds += 1

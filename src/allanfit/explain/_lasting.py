@@ -6,7 +6,7 @@ from scipy.fft import irfft
 
 from . import _search
 from ._bursts import bursts
-from ._held_out_values import of_loud_times, of_spikes
+from ._held_out_values import Gain, of_loud_times, of_spikes
 from ._intervals import runs
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
@@ -20,6 +20,7 @@ from ._state import (
     whitened_piece,
     whitened_pieces,
 )
+from ._vibration import away_from_edges, take_out, vibration
 from ._whiten import level
 
 # Loud for less of the record, and by more, is a knock and no change of the noise.
@@ -53,9 +54,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         return True
     rough = whitened_piece(state, state.longest)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
-    white = np.concatenate(
-        [_without_ends(whitened_piece(state, piece, notches)) for piece in state.long_pieces]
-    )
+    white = _white(state, notches)
     changing, heard = _modulation_of_n(state, white, seed)
     state.witness(
         "variance in time",
@@ -64,7 +63,7 @@ def about_spread(state: Investigation, seed: int) -> bool:
         "Windowed variances of the whitened record, compared.",
     )
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
-    loud = loud and not _cut_while_quiet(state, changing)
+    loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
     if loud and not state.knocks:
         share = changing.loud.mean()
         if share < _KNOCK_SHARE and steps_instead(state, changing):
@@ -72,8 +71,14 @@ def about_spread(state: Investigation, seed: int) -> bool:
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
             knock(state, changing, white)
             return True
-    if loud:
-        state.modulation = changing
+    mean = level(state.left, state.variance)
+    vibrating = vibration(state, white, mean, changing) if loud else None
+    if vibrating is not None:
+        take_out(state, *vibrating)
+        _name_loud_times(state, vibrating[0].times, of_loud_times(heard, seed))
+        mean = level(state.left, state.variance)
+        even = _white(state, notches)
+    elif loud:
         even = white / np.where(changing.loud, white[changing.loud].std(), 1.0)
         even[~changing.loud] /= white[~changing.loud].std()
         even = even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
@@ -86,13 +91,17 @@ def about_spread(state: Investigation, seed: int) -> bool:
         float(np.exp(brief.log_p)),
         "Short spectra of the whitened record, scanned for tiles that stand out.",
     )
-    if brief.log_p < np.log(state.alarm) and not state.knocks and brief.loud.mean() < BRIEF_SHARE:
-        knocked = as_modulation(white, brief)
+    apart = away_from_edges(state, brief.loud)
+    unlikely = brief.log_p < np.log(state.alarm) and apart.any()
+    if unlikely and not state.knocks and brief.loud.mean() < BRIEF_SHARE:
+        knocked = as_modulation(white, brief._replace(loud=apart))
         if steps_instead(state, knocked):
             return about_spread(state, seed)
         knock(state, knocked, white)
+        if state.vibration is not None:
+            # The knock passed for quiet noise: vibration is found again without it.
+            state.values, state.vibration = state.vibration.recorded, None
         return True
-    mean = level(state.left, state.variance)
     box = _uniform_part(state, mean)
     spiky = contamination(even, seed, box)
     state.witness(
@@ -103,22 +112,9 @@ def about_spread(state: Investigation, seed: int) -> bool:
     )
     # How tall a spike of one unit is in the whitened record.
     height = float(np.mean(1 / np.sqrt(mean / 2)))
-    if loud:
-        added = _loud_variance(state, changing)
-        # As loud as it gets, in all of the spectrum or in the white part of it.
-        share = float(changing.loud.mean())
-        quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
-        ratio = max(changing.ratio**2, 1 + added / share / quiet)
-        strength = np.where(changing.loud, ratio, 1.0)
-        dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
-        state.spectrum = state.spectrum._replace(dilution=dilution)
-        state.foreign += added
-        state.loud_variance = added
-        state.findings.append(
-            Finding("variance_modulation", np.log(max(changing.p_value, 1e-300)), 0.0, {}, changing)
-        )
-        state.gains["variance_modulation"] = of_loud_times(heard, seed)
-        rebin(state)
+    if loud and vibrating is None:
+        _count_out(state, changing)
+        _name_loud_times(state, changing, of_loud_times(heard, seed))
     spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
     # A mixture of two shapes of one width has short tails.
     tails = spiky.fraction > USUAL and spiky.amplitude > spiky.sigma / 2
@@ -171,6 +167,28 @@ def _cut_while_quiet(state: Investigation, changing: Modulation) -> bool:
     return bool(np.mean(cut[~changing.loud]) > np.mean(cut[changing.loud]))
 
 
+def _name_loud_times(state: Investigation, changing: Modulation, gain: Gain) -> None:
+    log_p = float(np.log(max(changing.p_value, 1e-300)))
+    state.modulation = changing
+    state.findings.append(Finding("variance_modulation", log_p, 0.0, detail=changing))
+    state.gains["variance_modulation"] = gain
+
+
+def _count_out(state: Investigation, changing: Modulation) -> None:
+    """Count white variance out of N that only loud times have."""
+    added = _loud_variance(state, changing)
+    # As loud as it gets, in all of the spectrum or in the white part of it.
+    share = float(changing.loud.mean())
+    quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
+    ratio = max(changing.ratio**2, 1 + added / share / quiet)
+    strength = np.where(changing.loud, ratio, 1.0)
+    dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
+    state.spectrum = state.spectrum._replace(dilution=dilution)
+    state.foreign += added
+    state.loud_variance = added
+    rebin(state)
+
+
 def _modulation_of_n(
     state: Investigation, white: Float[np.ndarray, " samples"], seed: int
 ) -> tuple[Modulation, Float[np.ndarray, " values"]]:
@@ -213,6 +231,13 @@ def forget_loud_times(state: Investigation) -> None:
     state.gains.pop("variance_modulation", None)
     rebin(state)
     refit(state)
+
+
+def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray, " looked_at"]:
+    """What is asked whether it lasts."""
+    return np.concatenate(
+        [_without_ends(whitened_piece(state, piece, notches)) for piece in state.long_pieces]
+    )
 
 
 def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
@@ -300,14 +325,15 @@ def _excise(
     rebin(state)
 
 
-def loudness(state: Investigation) -> Float[np.ndarray, "samples columns"]:
-    """Local variance of the fast noise [u^2], smooth, centred: what may rectify."""
-    changing = state.modulation
-    assert changing is not None
-    share = float(changing.loud.mean())
-    added = (changing.ratio**2 - 1) / (1 + share * (changing.ratio**2 - 1))
-    # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
-    whitened = float(np.mean(2 / state.variance))
+def loudness(state: Investigation, changing: Modulation) -> Float[np.ndarray, "samples columns"]:
+    """Local variance of the fast noise [u^2], centred: what may rectify."""
+    if state.vibration is not None:
+        added = state.vibration.variance
+    else:
+        share = float(changing.loud.mean())
+        added = (changing.ratio**2 - 1) / (1 + share * (changing.ratio**2 - 1))
+        # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
+        added /= float(np.mean(2 / state.variance))
     column = np.zeros(state.values.size)
-    column[state.looked_at] = np.where(changing.loud, added / whitened, 0.0)
+    column[state.looked_at] = np.where(changing.loud, added, 0.0)
     return (column - column[state.looked_at].mean())[:, None]

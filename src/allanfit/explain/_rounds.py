@@ -15,6 +15,7 @@ from ._leakage import leave_leakage
 from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
 from ._means import Course
 from ._search import Candidate, rarity
+from ._spread import Modulation
 from ._state import (
     Finding,
     Investigation,
@@ -288,6 +289,10 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
         if state.switching and course.name == "step":
             continue
         gain, log_p = evidence(state, course)
+        if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
+            # Steps compete that are at their places already.
+            course, _ = _at_its_edges(state, course)
+            gain = max(gain, evidence(state, course)[0])
 
         def take(
             rivals: dict[str, float],
@@ -343,17 +348,23 @@ def _refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> C
         felt, lag = drivers["temperature"][:, 0], course.shape["lag"]
         return _means.polish(course, lambda c: _means.late(felt, c), lag, lag / 2, gain)
     if course.name == "vibration_rectification":
-        return _at_its_edges(state, course)
+        course, state.modulation = _at_its_edges(state, course)
     return course
 
 
-def _at_its_edges(state: Investigation, course: Course) -> Course:
-    """A shift that begins and ends where the mean says; so, then, do the loud times."""
+def _at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulation]:
+    """A shift that begins and ends where the mean says, and loud times that do so, then."""
     changing, (start, stop) = state.modulation, state.longest
     assert changing is not None
     sized = with_course(state, course)
     variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
     loud, values = state.flags(changing.loud), state.values[start:stop]
     loud[start:stop] = sharpened(loud[start:stop], changing.window, values, sized.left, variance)
-    state.modulation = changing._replace(loud=loud[state.looked_at])
-    return course._replace(template=loudness(state))
+    moved = changing._replace(loud=loud[state.looked_at])
+    better = course._replace(template=loudness(state, moved))
+    edges = np.count_nonzero(np.diff(loud))
+    # What vibrates is known to begin and end within few samples.
+    price = 2 * edges * np.log(2 * changing.window) if state.vibration is not None else 0.0
+    if evidence(state, better)[0] < evidence(state, course)[0] + price:
+        return course, changing
+    return better, moved

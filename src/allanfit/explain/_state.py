@@ -86,6 +86,8 @@ class Investigation:
     peaks: list[Peak] = field(default_factory=list)
     contamination: Contamination | None = None
     modulation: Modulation | None = None
+    #: What was filtered out of loud times, if that was not white.
+    vibration: Any = None
     knocks: list[tuple[int, int]] = field(default_factory=list)
     #: Variance of white noise that does not belong to N: of spikes and loud times, of the latter
     #: alone, and of codes.

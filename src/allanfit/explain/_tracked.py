@@ -54,7 +54,9 @@ def tracked_likelihood(band: Baseband, middle: float, width: float, power: float
     """
     memories = [each for each in _MEMORIES if each < band.size] or [_MEMORIES[0]]
     frequency, step = np.arange(_STEPS) / _STEPS, np.arange(_STEPS)
-    start = np.exp(-(((frequency - middle) / width) ** 2) / 2)
+    away = ((frequency - middle) / width) ** 2 / 2
+    # A line much narrower than a step still is at one.
+    start = np.exp(away.min() - away)
     moves = np.stack([_moves(middle * _STEPS, width * _STEPS, memory) for memory in memories])
     # Of a line at step k of the frequency the phase goes on by k steps.
     earlier = (_STEPS * step[:, None] + (step[None, :] - step[:, None]) % _STEPS).ravel()

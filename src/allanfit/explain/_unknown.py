@@ -13,7 +13,16 @@ from scipy.stats import gamma
 
 from . import _search
 from ._chance import log_chance, score
-from ._changing import moved_along, parts, reshaped, shares, swinging, tiles
+from ._changing import (
+    TILE,
+    moved_along,
+    parts,
+    reshaped,
+    reshaped_at_times,
+    shares,
+    swinging,
+    tiles,
+)
 from ._climb import filter_slopes
 from ._harmonics import Line, families
 from ._held_out_values import of_swing
@@ -94,7 +103,7 @@ def _only_courses_were_loud(state: Investigation) -> None:
     """
     courses = {course.name for course in state.courses}
     narrow = any(narrow_groups(state)) or state.peaks
-    if state.modulation is None or "vibration_rectification" in courses:
+    if state.modulation is None or "vibration_rectification" in courses or state.vibration:
         return
     if not narrow and "step" not in courses:
         return
@@ -248,12 +257,16 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     if not state.format.normal:
         # What rounding makes of noise depends on where the mean is.
         return
+    if state.vibration is not None:
+        _vibration(state)
+        return
     powers = tiles(white)
     made_white = state.left.frequency, state.variance
     found = reshaped(parts(powers), *made_white)
     if state.modulation is not None:
         loud = shares(state.flags(state.modulation.loud)[slice(*state.longest)])
-        found = reshaped([powers[loud > 0.99], powers[loud < 0.01]], *made_white) or found
+        density = np.interp(np.arange(powers.shape[1]) / TILE, *made_white)
+        found = reshaped_at_times(powers, loud, density) or found
     else:
         found = found or _corner_moves(state, powers)
     if found is None:
@@ -266,6 +279,17 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
         state.findings.append(Finding("bump", log_p, 0.0))
     why = "the shape of the spectrum changes in time, and not only its level"
     state.unknown.append(Unknown(frequency, 0.5, why, in_time=True))
+
+
+def _vibration(state: Investigation) -> None:
+    """Loud times whose noise has a spectrum of its own are no more of the sensor's noise."""
+    if any(course.name == "vibration_rectification" for course in state.courses):
+        return
+    state.disowned.add("variance_modulation")
+    why = "at times there is noise of a spectrum of its own beside the sensor's"
+    times = tuple(runs(state.flags(state.vibration.times.loud)))
+    middle, width, like = state.vibration.middle, state.vibration.width, "vibration does so"
+    state.unknown.append(Unknown(middle, width, why, in_time=True, like=like, times=times))
 
 
 def _far_below_corner(state: Investigation, frequency: float) -> bool:

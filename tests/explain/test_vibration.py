@@ -1,0 +1,67 @@
+"""Vibration in bouts: noise of a band of its own, which may shift the mean."""
+
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter
+
+from allanfit.explain._investigate import investigate
+
+SAMPLES = 60_000
+BOUTS = ((10_000, 22_000), (35_000, 41_000), (50_000, 55_000))
+STRENGTH = 2.0
+
+
+def drawn(shift: float, knock: float = 0.0) -> np.ndarray:
+    """White noise of one beside a slow walk; vibration of 0.15 to 0.4 of the Nyquist frequency."""
+    rng = np.random.default_rng(31)
+    values = rng.standard_normal(SAMPLES) + 0.004 * np.cumsum(rng.standard_normal(SAMPLES))
+    moving = lfilter(*butter(2, [0.15, 0.4], "band"), rng.standard_normal(SAMPLES))
+    for start, stop in BOUTS:
+        values[start:stop] += STRENGTH * (moving / moving.std())[start:stop] + shift
+    values[28_000:28_200] += knock * rng.standard_normal(200)
+    return values
+
+
+def investigated(values):
+    state = investigate(values, ((0, SAMPLES),), "point", np.array([0.0, 1.0, 0.0, 2e-5]))
+    return state, {finding.name for finding in state.findings}
+
+
+def n_of(state) -> float:
+    return float(np.exp(state.model.theta[1] / 2))
+
+
+@pytest.mark.parametrize("knock", [0.0, 6.0])
+def test_vibration_that_shifts_the_mean_is_rectified(knock):
+    state, names = investigated(drawn(0.4, knock))
+    knocked = {"disturbance"} if knock else set()
+    assert names == {"variance_modulation", "vibration_rectification"} | knocked
+    assert not state.unknown
+    # N is that of the quiet times, 37,000 samples: to three standard deviations.
+    assert abs(n_of(state) - 1) < 0.011
+    assert state.vibration.variance == pytest.approx(STRENGTH**2, rel=0.05)
+    (size,) = state.sized.sizes
+    assert size == pytest.approx(0.4 / STRENGTH**2, rel=0.1)
+    times = np.flatnonzero(np.diff(state.flags(state.modulation.loud).astype(int))) + 1
+    assert times == pytest.approx(np.ravel(BOUTS), abs=25)
+
+
+def test_vibration_that_does_not_has_no_name():
+    state, _ = investigated(drawn(0.0))
+    assert "variance_modulation" in state.disowned
+    assert ["spectrum of its own" in each.why for each in state.unknown] == [True]
+    # Between 0.075 and 0.2 cycles per sample.
+    assert 0.11 < state.unknown[0].frequency < 0.17
+    assert len(state.unknown[0].times) == len(BOUTS)
+    assert abs(n_of(state) - 1) < 0.011
+
+
+def test_white_noise_that_is_louder_stays_noise_that_is_louder():
+    rng = np.random.default_rng(32)
+    values = rng.standard_normal(SAMPLES) + 0.004 * np.cumsum(rng.standard_normal(SAMPLES))
+    for start, stop in BOUTS:
+        values[start:stop] += rng.standard_normal(stop - start)
+    state, names = investigated(values)
+    assert names == {"variance_modulation"}
+    assert state.vibration is None
+    assert not state.unknown
