@@ -1,8 +1,10 @@
 """Courses in time: where they begin and end."""
 
 import numpy as np
+import pytest
 
 from allanfit.explain._course_scan import propose, sharpened
+from allanfit.explain._investigate import investigate
 from allanfit.explain._ordinates import ordinates
 from allanfit.explain._state import begin
 
@@ -38,3 +40,18 @@ def test_a_step_in_a_strong_random_walk_is_proposed_where_it_is():
         proposed.append(min((abs(time - at) for time in steps), default=np.inf))
     # 160 in twice the logarithm of the likelihood: noise moves none by more than that.
     assert max(proposed) < 8
+
+
+@pytest.mark.parametrize("periods", [3.47, 3.78])
+def test_the_frequency_of_a_slow_oscillation_is_known_as_well_as_noise_allows(periods):
+    """Of a sinusoid of amplitude A in white noise s^2: var f = 6 s^2/(pi^2 A^2 n^3)."""
+    rng, samples = np.random.default_rng(4), 30_000
+    frequency, amplitude = periods / samples, 1.0
+    values = amplitude * np.sin(2 * np.pi * np.arange(samples) * frequency + 1)
+    values += rng.standard_normal(samples)
+    state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 1e-8]))
+    assert [finding.name for finding in state.findings] == ["sinusoid"]
+    (course,) = state.courses
+    bound = np.sqrt(6 / (np.pi**2 * amplitude**2 * samples**3))
+    assert course.shape["deviation"] == pytest.approx(bound, rel=0.1)
+    assert abs(course.shape["frequency"] - frequency) < 3 * bound

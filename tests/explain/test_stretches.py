@@ -55,3 +55,42 @@ def test_what_disturbs_the_shorter_stretch_is_found_there(causes, names):
     elif loud in causes:
         ends = np.flatnonzero(state.flags(state.modulation.loud))[[0, -1]]
         assert ends == pytest.approx([20_000, 26_000], abs=300)
+
+
+def stepping(values):
+    values[24_000:] += 0.5
+
+
+def warming(values):
+    values += 1.5 * np.exp(-np.arange(SAMPLES) / 1500)
+
+
+def swaying(values):
+    values += 0.1 * np.sin(2 * np.pi * np.arange(SAMPLES) / 3200 + 1)
+
+
+@pytest.mark.parametrize(
+    ("cause", "pieces", "name", "key", "true", "margin"),
+    [
+        (stepping, PIECES, "step", "time", 24_000, 60),
+        # The longest begins when the sensor is nearly warm.
+        (warming, ((0, 6000), (6100, SAMPLES)), "warm_up", "time_constant", 1500, 300),
+        (
+            swaying,
+            ((0, 10_000), (10_100, 20_000), (20_100, SAMPLES)),
+            "sinusoid",
+            "frequency",
+            1 / 3200,
+            3e-6,
+        ),
+    ],
+    ids=["step", "warm-up", "oscillation"],
+)
+def test_a_course_is_found_in_any_stretch(cause, pieces, name, key, true, margin):
+    rng = np.random.default_rng(22)
+    values = rng.standard_normal(SAMPLES) + 1e-4 * np.cumsum(rng.standard_normal(SAMPLES))
+    cause(values)
+    state = investigate(values, pieces, "point", np.array([0.0, 1.0, 0.0, 1e-8]))
+    assert [finding.name for finding in state.findings] == [name]
+    (course,) = state.courses
+    assert course.shape[key] == pytest.approx(true, abs=margin)

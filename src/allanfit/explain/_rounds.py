@@ -45,6 +45,8 @@ _SPREAD = 32
 # That the course of a measured cause fits by coincidence is 20 times less likely than that it is
 # the cause, as twice a logarithm.
 _MEASURED = 6.0
+# Periods in the record from one place of the scan for slow oscillations to the next.
+_BETWEEN = 0.1
 # Ordinates about a line within which nothing else may be.
 _CLOSE = 8
 
@@ -338,12 +340,7 @@ def _refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> C
         best.shape["deviation"] = 0.1 * constant / np.sqrt(fall)
         return best
     if course.name == "sinusoid":
-        sized = with_course(state, course)
-        amplitude = float(np.hypot(*sized.sizes[-2:]))
-        variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-        density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
-        spread = np.sqrt(12 * density / (amplitude**2 * float(length) ** 3)) / (2 * np.pi)
-        course.shape["deviation"] = float(spread)
+        return _slow_line(state, course)
     if course.name == "temperature" and course.shape["lag"] > 0:
         felt, lag = drivers["temperature"][:, 0], course.shape["lag"]
         return _means.polish(course, lambda c: _means.late(felt, c), lag, lag / 2, gain)
@@ -352,14 +349,43 @@ def _refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> C
     return course
 
 
+def _slow_line(state: Investigation, course: Course) -> Course:
+    """A slow oscillation at its best frequency, with the standard deviation of that."""
+    first, span = state.longest[0], state.pieces[-1][1] - state.pieces[0][0]
+    time = np.arange(state.values.size) - float(first)
+    when = np.concatenate([time[slice(*piece)] for piece in state.pieces])
+    moment = when.size * np.var(when)
+    # As far as the next place of the scan, and then as far as noise moves it.
+    spread = _BETWEEN / span
+    for _ in range(2):
+        course = _means.polish(
+            course,
+            lambda frequency: _means.oscillation(frequency, time),
+            course.shape["frequency"],
+            spread,
+            lambda tried: -with_course(state, tried).cost,
+        )
+        sized = with_course(state, course)
+        variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
+        density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
+        amplitude = float(np.hypot(*sized.sizes[-2:]))
+        spread = float(np.sqrt(density / (amplitude**2 * moment)) / (2 * np.pi))
+    course.shape["deviation"] = spread
+    return course
+
+
 def _at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulation]:
     """A shift that begins and ends where the mean says, and loud times that do so, then."""
-    changing, (start, stop) = state.modulation, state.longest
+    changing = state.modulation
     assert changing is not None
     sized = with_course(state, course)
     variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-    loud, values = state.flags(changing.loud), state.values[start:stop]
-    loud[start:stop] = sharpened(loud[start:stop], changing.window, values, sized.left, variance)
+    loud = state.flags(changing.loud)
+    for piece in state.long_pieces:
+        inside = slice(*piece)
+        loud[inside] = sharpened(
+            loud[inside], changing.window, state.values[inside], sized.left, variance
+        )
     moved = changing._replace(loud=loud[state.looked_at])
     better = course._replace(template=loudness(state, moved))
     edges = np.count_nonzero(np.diff(loud))
