@@ -94,3 +94,49 @@ def test_a_course_is_found_in_any_stretch(cause, pieces, name, key, true, margin
     assert [finding.name for finding in state.findings] == [name]
     (course,) = state.courses
     assert course.shape[key] == pytest.approx(true, abs=margin)
+
+
+def ringing(values):
+    """A knock, and what rings behind it: in its own band, and weaker than the noise before long."""
+    time = np.arange(3000)
+    values[12_000:12_100] += 30 * rng_of(9).standard_normal(100)
+    values[12_000:15_000] += 2.0 * np.exp(-time / 700) * np.sin(2 * np.pi * 0.06 * time)
+
+
+def weaker(values):
+    """A strong knock and two weak ones."""
+    for at, size in ((6000, 15.0), (14_000, 2.0), (22_000, 2.0)):
+        time = np.arange(400)
+        values[at : at + 400] += size * np.exp(-time / 80) * np.sin(2 * np.pi * 0.13 * time)
+
+
+def wrong_start(values):
+    values[0] += 200
+    values[9000:9150] += 8 * rng_of(9).standard_normal(150)
+
+
+def rng_of(seed):
+    return np.random.default_rng(seed)
+
+
+@pytest.mark.parametrize(
+    ("cause", "times"),
+    [
+        (ringing, ((12_000, 12_900),)),
+        (weaker, ((6000, 6150), (14_000, 14_100), (22_000, 22_100))),
+        (wrong_start, ((0, 1), (9000, 9150))),
+    ],
+)
+def test_what_a_knock_hides_is_cut_out_as_well(cause, times):
+    rng = rng_of(23)
+    values = rng.standard_normal(SAMPLES) + 0.003 * np.cumsum(rng.standard_normal(SAMPLES))
+    cause(values)
+    state = investigate(values, ((0, SAMPLES),), "point", np.array([0.0, 1.0, 0.0, 1e-5]))
+    assert [finding.name for finding in state.findings] == ["disturbance"]
+    cut = np.zeros(SAMPLES, bool)
+    for start, stop in state.knocks:
+        cut[start:stop] = True
+    for start, stop in times:
+        assert cut[start:stop].all()
+    assert cut.sum() < 0.15 * SAMPLES
+    assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.0125

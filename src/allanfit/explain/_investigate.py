@@ -44,6 +44,8 @@ from ._unknown import look_again
 ALARM = 0.0008
 # Rounds that take no line.
 _MOST_ROUNDS = 10
+# Knocks are cut out so many times, since strong ones hide what is weaker.
+_MOST_CUTS = 3
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
@@ -124,11 +126,16 @@ def investigate(
 def _without_knocks(
     state: Investigation, power: Float[np.ndarray, " terms"], seed: int
 ) -> Investigation:
-    """The investigation begun again, without some intervals."""
-    later = _begin_again(state, cut_out(state.pieces, state.knocks), power)
-    take_strong_lines(later)
-    about_spread(later, seed)
-    return later
+    """The investigation begun again, without some intervals.
+
+    What rings on behind a knock, and weaker ones, are heard only without it.
+    """
+    for left in reversed(range(_MOST_CUTS)):
+        state = _begin_again(state, cut_out(state.pieces, state.knocks), power)
+        take_strong_lines(state)
+        if not about_spread(state, seed, may_cut=left > 0):
+            break
+    return state
 
 
 def _with_switches(

@@ -13,7 +13,7 @@ from ._state import Finding, Investigation, add_course, evidence, whitened_piece
 # A knock is cut out with so many windows on either side.
 _MARGIN = 2
 # Brief disturbances that fill more than this are no brief ones, but noise that changes.
-BRIEF_SHARE = 0.02
+BRIEF_SHARE = 0.05
 # More jumps than this are no steps.
 _MOST_STEPS = 8
 # As far as a scan for a step in white noise goes.
@@ -27,12 +27,18 @@ _NEARLY_ALL, _FAR_OUT = 0.99, 5.0
 def knock(
     state: Investigation, changing: Modulation, white: Float[np.ndarray, " looked_at"]
 ) -> None:
-    """The loud times are a disturbance, to be cut out with a margin."""
+    """The loud times are a disturbance, to be cut out with a margin, beside those that are."""
     # With their margins some may be one.
-    state.knocks = runs(widened(state.flags(changing.loud), changing.window * _MARGIN))
-    log_p = float(np.log(max(changing.p_value, 1e-300)))
-    state.findings.append(Finding("disturbance", log_p, 0.0, {}, changing))
-    state.gains["disturbance"] = of_times(white, changing.loud)
+    wide = widened(state.flags(changing.loud), changing.window * _MARGIN)
+    for start, stop in state.knocks:
+        wide[start:stop] = True
+    state.knocks = runs(wide)
+    log_p, gain = float(np.log(max(changing.p_value, 1e-300))), of_times(white, changing.loud)
+    before = state.finding("disturbance")
+    if before is not None:
+        log_p, gain = min(log_p, before.log_p), max(gain, state.gains["disturbance"])
+    state.name_once(Finding("disturbance", log_p, 0.0, {}, changing))
+    state.gains["disturbance"] = gain
 
 
 def moved_while_loud(state: Investigation) -> bool:

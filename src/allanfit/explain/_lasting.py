@@ -43,8 +43,8 @@ _END = 32
 _SHORTEST_QUIET = 1024
 
 
-def about_spread(state: Investigation, seed: int) -> bool:
-    """Outliers, loud times and knocks. Says whether the record has to be cut."""
+def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bool:
+    """Outliers, loud times and knocks. Says whether the record has to be cut, if it may be."""
     if not state.format.normal:
         # Discrete or held samples are not normal, and their whitened record is not either.
         return False
@@ -64,10 +64,10 @@ def about_spread(state: Investigation, seed: int) -> bool:
     )
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
     loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
-    if loud and not state.knocks:
+    if loud and may_cut:
         share = changing.loud.mean()
         if share < _KNOCK_SHARE and steps_instead(state, changing):
-            return about_spread(state, seed)
+            return about_spread(state, seed, may_cut=may_cut)
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
             knock(state, changing, white)
             return True
@@ -93,10 +93,10 @@ def about_spread(state: Investigation, seed: int) -> bool:
     )
     apart = away_from_edges(state, brief.loud)
     unlikely = brief.log_p < np.log(state.alarm) and apart.any()
-    if unlikely and not state.knocks and brief.loud.mean() < BRIEF_SHARE:
+    if unlikely and may_cut and brief.loud.mean() < BRIEF_SHARE:
         knocked = as_modulation(white, brief._replace(loud=apart))
         if steps_instead(state, knocked):
-            return about_spread(state, seed)
+            return about_spread(state, seed, may_cut=may_cut)
         knock(state, knocked, white)
         if state.vibration is not None:
             # The knock passed for quiet noise: vibration is found again without it.
