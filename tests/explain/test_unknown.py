@@ -44,8 +44,13 @@ def noise():
         ),
         (lambda x: x * np.sqrt(1 + 0.5 * np.sin(2 * np.pi * TIME / 3)), "swings, every 3 s"),
         (lambda x: x + 0.08 * (TIME % 2 < 0.03), "a waveform repeats, every 2 s"),
+        # Between values 1/0.73 apart; the difference of the rates is 13.5 Hz.
+        (
+            lambda x: np.interp(np.arange(SAMPLES) * 0.73, np.arange(SAMPLES), x),
+            "swings, every 0.07407 s; interpolation",
+        ),
     ],
-    ids=["bursts of a line", "sweep", "a line that is switched on", "swing", "pulses"],
+    ids=["bursts of a line", "sweep", "a line that is switched on", "swing", "pulses", "between"],
 )
 def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     channel = explained(tmp_path, cause(noise))

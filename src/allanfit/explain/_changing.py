@@ -5,8 +5,9 @@ from jaxtyping import Bool, Float
 from scipy.fft import dct
 from scipy.stats import chi2
 
-# A swing of the noise is looked for between so many periods and so few samples a period.
-_FEWEST_SWINGS, _FEWEST_SAMPLES = 100, 8
+# A swing of the noise is looked for from so many periods on, and up to as many short of half the
+# rate.
+_FEWEST_SWINGS = 100
 #: Samples of a tile.
 TILE = 256
 _BANDS = 12
@@ -139,7 +140,7 @@ def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None
     squares = white**2 - np.mean(white**2)
     power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
     usable = np.zeros(power.size, bool)
-    usable[_FEWEST_SWINGS : power.size * 2 // _FEWEST_SAMPLES] = True
+    usable[_FEWEST_SWINGS : -1 - _FEWEST_SWINGS] = True
     if usable.sum() < TILE:
         return None
     # A strong resonance makes the squares uneven: each stretch of them by its own median.

@@ -27,7 +27,7 @@ from ._climb import filter_slopes
 from ._harmonics import Line, families
 from ._held_out_values import of_swing
 from ._intervals import runs
-from ._lasting import forget_loud_times
+from ._lasting import USUAL, forget_loud_times
 from ._leakage import take_bump
 from ._line_or_resonance import in_one_phase, tell_apart
 from ._moving import Band, moving
@@ -405,6 +405,9 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         "The squares of the whitened record, scanned for a period.",
     )
     if log_p < np.log(state.alarm):
+        if state.contamination is not None and state.contamination.fraction > USUAL:
+            # Of normal noise whose strength swings, all samples together have long tails.
+            state.disowned.add("outliers")
         state.findings.append(Finding("bump", log_p, 0.0))
         state.gains["bump"] = of_swing(white, period)
         why = "the strength of the noise swings"
