@@ -7,6 +7,7 @@ import numpy as np
 
 from ..physics import LowPass
 from ..recording._checks import usable
+from ._course_shapes import draw_courses
 from ._effect import Effect
 from ._intervals import runs
 from ._lasting import USUAL
@@ -262,18 +263,15 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     if state.sized is None:
         return []
     found, steps, felt = [], [], []
-    drawn = rng.multivariate_normal(state.sized.sizes, state.sized.covariance, 2000, method="svd")
-    ends = np.cumsum([course.sizes for course in state.courses])
-    columns = np.split(drawn, ends[:-1], axis=1)
+    columns, logs = draw_courses(state, rng, 2000)
     findings = state.findings_of([course.name for course in state.courses])
-    for course, sizes, finding in zip(state.courses, columns, findings, strict=True):
+    for course, sizes, log, finding in zip(state.courses, columns, logs, findings, strict=True):
         own, others = _probabilities(finding, course.name)
         if course.name == "step":
             steps.append((state.moment(course.shape["time"]) * dt, sizes[:, 0], own, others))
         elif course.name == "warm_up":
-            spread = course.shape.get("deviation", 0.0)
-            constant = course.shape["time_constant"] + spread * rng.standard_normal(2000)
-            values = {"amplitude": sizes[:, 0], "time_constant": np.abs(constant) * dt}
+            constant = course.shape["time_constant"] * np.exp(log)
+            values = {"amplitude": sizes[:, 0], "time_constant": constant * dt}
             found.append(Effect("warm_up", own, others, values))
         elif course.name == "sinusoid":
             found.append(_sinusoid(course, sizes, own, others, dt, rng))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.signal import lfilter
 
 from ._climb import log_scatter
@@ -107,11 +107,8 @@ def size_up(
     for _ in range(_ROUNDS):
         variance = ordinate_variance(spectrum, model, data)
         seen = spectrum.clean(spectrum.frequency)
+        covariance = covariance_of(moved, variance, seen)
         weighted = np.where(seen, 1 / variance, 0.0)[:, None] * moved
-        information = weighted.T @ moved
-        unit = np.sqrt(np.maximum(np.diag(information), 1e-300))
-        inverse = np.linalg.pinv(information / unit / unit[:, None], rcond=1e-10, hermitian=True)
-        covariance = inverse / unit / unit[:, None]
         sizes = covariance @ (weighted.T @ spectrum.amplitude)
         left = spectrum.less(moved @ sizes)
         data = data._replace(bins=binned(left, edges))
@@ -119,6 +116,18 @@ def size_up(
     if shapes_too:
         model = best([(model.kinds, model.theta)], data)[0]
     return Sized(sizes, covariance, model, data, left, cost(model, data))
+
+
+def covariance_of(
+    moved: Float[np.ndarray, "ordinates columns"],
+    variance: Float[np.ndarray, " ordinates"],
+    seen: Bool[np.ndarray, " ordinates"],
+) -> Float[np.ndarray, "columns columns"]:
+    """Of the sizes of columns, by generalised least squares on the ordinates that are seen."""
+    information = (np.where(seen, 1 / variance, 0.0)[:, None] * moved).T @ moved
+    unit = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    inverse = np.linalg.pinv(information / unit / unit[:, None], rcond=1e-10, hermitian=True)
+    return inverse / unit / unit[:, None]
 
 
 def knowledge(

@@ -9,13 +9,12 @@ from jaxtyping import Float
 
 from . import _means, _search
 from ._chance import course_score, log_chance, score
-from ._course_scan import propose, sharpened
-from ._lasting import loudness
+from ._course_scan import propose
+from ._course_shapes import at_its_edges, refined, together
 from ._leakage import leave_leakage
 from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
 from ._means import Course
 from ._search import Candidate, rarity
-from ._spread import Modulation
 from ._state import (
     Finding,
     Investigation,
@@ -24,7 +23,6 @@ from ._state import (
     evidence,
     finer_edges,
     whitened_piece,
-    with_course,
 )
 from ._structure import NARROW
 from ._whiten import level
@@ -45,8 +43,6 @@ _SPREAD = 32
 # That the course of a measured cause fits by coincidence is 20 times less likely than that it is
 # the cause, as twice a logarithm.
 _MEASURED = 6.0
-# Periods in the record from one place of the scan for slow oscillations to the next.
-_BETWEEN = 0.1
 # Ordinates about a line within which nothing else may be.
 _CLOSE = 8
 
@@ -293,7 +289,7 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
         gain, log_p = evidence(state, course)
         if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
             # Steps compete that are at their places already.
-            course, _ = _at_its_edges(state, course)
+            course, _ = at_its_edges(state, course)
             gain = max(gain, evidence(state, course)[0])
 
         def take(
@@ -302,95 +298,12 @@ def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Optio
             log_p: float = log_p,
             gain: float = gain,
         ) -> None:
-            refined = _refined(state, course, drivers)
-            add_course(state, refined, Finding(course.name, log_p, gain, rivals))
+            best = refined(state, course, drivers)
+            add_course(state, best, Finding(course.name, log_p, gain, rivals))
+            together(state)
 
         worth = course_score(gain, course.sizes, course.places, course.length)
         if course.name in drivers:
             worth += _MEASURED
         options.append(Option(course.name, log_p, gain, worth, take))
     return options
-
-
-def _refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Course:
-    """The course at its best place in time."""
-    start, stop = state.longest
-    length, samples = stop - start, state.values.size
-
-    def gain(tried: Course) -> float:
-        return -with_course(state, tried).cost
-
-    if course.name == "step":
-        return _means.polish(
-            course,
-            lambda at: _means.step(round(at), samples),
-            course.shape["time"],
-            length / 2000,
-            gain,
-        )
-    if course.name == "warm_up":
-        constant = course.shape["time_constant"]
-        best = _means.polish(
-            course, lambda c: _means.warm_up(c, samples), constant, constant / 5, gain
-        )
-        constant = best.shape["time_constant"]
-        # Its standard deviation from how fast the likelihood falls beside the best.
-        beside = [gain(_means.warm_up(part * constant, samples)) for part in (0.9, 1.1)]
-        fall = max(gain(best) - np.mean(beside), 1e-3)
-        best.shape["deviation"] = 0.1 * constant / np.sqrt(fall)
-        return best
-    if course.name == "sinusoid":
-        return _slow_line(state, course)
-    if course.name == "temperature" and course.shape["lag"] > 0:
-        felt, lag = drivers["temperature"][:, 0], course.shape["lag"]
-        return _means.polish(course, lambda c: _means.late(felt, c), lag, lag / 2, gain)
-    if course.name == "vibration_rectification":
-        course, state.modulation = _at_its_edges(state, course)
-    return course
-
-
-def _slow_line(state: Investigation, course: Course) -> Course:
-    """A slow oscillation at its best frequency, with the standard deviation of that."""
-    first, span = state.longest[0], state.pieces[-1][1] - state.pieces[0][0]
-    time = np.arange(state.values.size) - float(first)
-    when = np.concatenate([time[slice(*piece)] for piece in state.pieces])
-    moment = when.size * np.var(when)
-    # As far as the next place of the scan, and then as far as noise moves it.
-    spread = _BETWEEN / span
-    for _ in range(2):
-        course = _means.polish(
-            course,
-            lambda frequency: _means.oscillation(frequency, time),
-            course.shape["frequency"],
-            spread,
-            lambda tried: -with_course(state, tried).cost,
-        )
-        sized = with_course(state, course)
-        variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-        density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
-        amplitude = float(np.hypot(*sized.sizes[-2:]))
-        spread = float(np.sqrt(density / (amplitude**2 * moment)) / (2 * np.pi))
-    course.shape["deviation"] = spread
-    return course
-
-
-def _at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulation]:
-    """A shift that begins and ends where the mean says, and loud times that do so, then."""
-    changing = state.modulation
-    assert changing is not None
-    sized = with_course(state, course)
-    variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-    loud = state.flags(changing.loud)
-    for piece in state.long_pieces:
-        inside = slice(*piece)
-        loud[inside] = sharpened(
-            loud[inside], changing.window, state.values[inside], sized.left, variance
-        )
-    moved = changing._replace(loud=loud[state.looked_at])
-    better = course._replace(template=loudness(state, moved))
-    edges = np.count_nonzero(np.diff(loud))
-    # What vibrates is known to begin and end within few samples.
-    price = 2 * edges * np.log(2 * changing.window) if state.vibration is not None else 0.0
-    if evidence(state, better)[0] < evidence(state, course)[0] + price:
-        return course, changing
-    return better, moved
