@@ -233,3 +233,18 @@ def test_the_square_of_temperature_is_told(tmp_path):
     low, high = effect["parameters"]["sensitivity"]["intervals"]["0.95"]
     assert low < 0 < high
     assert "not temperature but the square" in effect["sentence"]
+
+
+def test_a_resonance_of_averaged_samples_has_the_size_that_it_had_before(tmp_path):
+    """Means over an interval leave sin(x)/x of it, x = pi f dt: .79 at 0.38 of the rate."""
+    rng, parts = np.random.default_rng(12), 16
+    place, quality = 0.38 * RATE, 12.0
+    turn = 2 * np.pi * place / (RATE * parts)
+    decay = np.exp(-turn / (2 * quality))
+    driven = lfilter([1.0], [1, -2 * decay * np.cos(turn), decay**2], rng.standard_normal(2**19))
+    fast = 0.02 * driven / driven.std()
+    values = fast[: SAMPLES * parts].reshape(SAMPLES, parts).mean(axis=1)
+    values = values + 0.005 * RATE**0.5 * rng.standard_normal(SAMPLES)
+    (effect,) = explained(tmp_path, values, sampling="averaged")["effects"]
+    assert effect["name"] == "resonance"
+    assert effect["parameters"]["sigma"]["value"] == pytest.approx(0.02, rel=0.06)
