@@ -22,6 +22,7 @@ from ._structure import (
     active,
     added_density,
     held_columns,
+    left_of,
     shaped,
     without_droop,
 )
@@ -120,10 +121,16 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
     gains, _ = _shape(theta, kinds, data, slopes=False)
     slots = _slots(theta, kinds)
     added = [
-        np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples))
+        np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples)) * _left(name, data)
         for i, name in enumerate(kinds.added)
     ]
     return _columns(gains, kinds, held), gains[2], added
+
+
+def _left(name: str, data: Data) -> Float[np.ndarray, " bins"]:
+    if not data.averaging:
+        return np.ones(len(data.bins.nodes))
+    return np.asarray(left_of(name, data.bins.nodes[:, 1], data.averaging))
 
 
 def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three"]:
@@ -163,8 +170,9 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
         for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
             found = _density_slopes(name, three, data.bins.nodes, data.samples)
             slope, density = (np.asarray(each) for each in found)
-            added_slopes.append(slope)
-            added.append(density)
+            left = _left(name, data)
+            added_slopes.append(slope * left[:, None])
+            added.append(density * left)
     else:
         gain_slopes = None
         columns, bump, added = parts(theta, kinds, data, held)

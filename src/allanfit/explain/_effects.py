@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 
-from ..physics import GaussMarkov, LowPass, Resonance
+from ..physics import LowPass
 from ..recording._checks import usable
 from ._course_shapes import draw_courses
 from ._effect import Effect
@@ -22,6 +21,7 @@ from ._structure import (
     NARROW,
     TERMS,
     UNNAMED,
+    left_of,
     shape_of,
     sieve,
 )
@@ -151,16 +151,10 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         own, others = _probabilities(findings[place - len(kinds.added)], name)
         disguised = name == "resonance" and place in state.wandering
         if name == "gauss_markov":
-            constant = float(np.median(first))
-            noise = GaussMarkov(jnp.ones(()), jnp.asarray(constant))
-            size = size * _before_averaging(state, noise, 1 / (2 * np.pi * constant))
             found += _gauss_markov(state, begin, size, first, own, others, dt, seed)
         elif name in NARROW and not disguised and float(np.median(first)) / dt * _ROOM_PERIOD_S < 1:
             found.append(_slow_swing(name, own, others, first / dt))
         elif name == "resonance" and not disguised:
-            peak, quality = (jnp.asarray(np.median(each)) for each in (first, second))
-            noise = Resonance(jnp.ones(()), peak, quality)
-            size = size * _before_averaging(state, noise, float(peak))
             middle, half = float(np.median(first)) / dt, float(np.median(first / second)) / 2 / dt
             values = {"sigma": size, "frequency": first / dt, "quality_factor": second}
             band = (max(middle - 2 * half, 0.0), middle + 2 * half)
@@ -172,27 +166,15 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             )
         else:
             if disguised:
-                # As wide as the resonance, and of its power.
-                size, second = 2**0.5 * size, 1 / (2 * second)
+                # As wide as the resonance, and of its power among the samples.
+                left = np.asarray(left_of(name, first, state.data.averaging))
+                size, second = np.sqrt(2 * left) * size, 1 / (2 * second)
                 others.pop("drifting_line", None)
             middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt
             values = {"amplitude": size, "frequency": first / dt, "width": first * second / dt}
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band, _when(state, dt)))
     return found
-
-
-def _before_averaging(
-    state: Investigation, noise: GaussMarkov | Resonance, frequency: float
-) -> float:
-    """What the size of an added noise is times that of samples, at its frequency.
-
-    Noises are fitted with the shape that samples at an instant have; averages are smaller.
-    """
-    if state.sampling == "point":
-        return 1.0
-    at = jnp.asarray(frequency)
-    return float(jnp.sqrt(noise.density(at, 1.0, "point") / noise.density(at, 1.0, state.sampling)))
 
 
 def _when(state: Investigation, dt: float) -> str:

@@ -70,7 +70,6 @@ def in_one_phase(
     state: Investigation, white: Float[np.ndarray, " samples"], group: list[Narrow]
 ) -> OnePhase | None:
     """Whether narrow noises are one line whose strength changes; None in wide bands."""
-    samples = float(state.data.samples)
     main = min(group, key=_spread)
     spread = max(_spread(each) + abs(each.middle - main.middle) for each in group)
     half = max(_SIDEBANDS * spread, _FEWEST / 2 / white.size)
@@ -81,7 +80,7 @@ def in_one_phase(
 
     def excess(order: np.ndarray) -> np.ndarray:
         aside = order / white.size
-        above, below = (density_of(group, main.middle + end * aside, samples) for end in (1, -1))
+        above, below = (density_of(group, main.middle + end * aside, state.data) for end in (1, -1))
         return (above + below) / 2 / level
 
     middle = (main.middle - found.frequency[0]) * white.size
@@ -121,7 +120,7 @@ def _tracked(
     middle, width = fitted.middle, fitted.width
     found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
     frequency, band = found.frequency, found.band[:_MOST]
-    excess = density_of([fitted], frequency, samples) / found.level
+    excess = density_of([fitted], frequency, state.data) / found.level
     part = np.arange(band.size) / band.size * excess.size
     normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
     place = (middle - frequency[0]) * white.size / frequency.size

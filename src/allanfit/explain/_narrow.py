@@ -10,7 +10,7 @@ from ._moving import Band
 from ._ordinates import bin_edges, points
 from ._search import Model
 from ._state import Investigation, rebin
-from ._structure import EACH, NARROW, added_density, effects_density, shape_of
+from ._structure import EACH, NARROW, Data, added_density, effects_density, left_of, shape_of
 from ._tracked import Baseband, inside, narrow_band
 
 # Bins within a width to either side of a peak that show its shape.
@@ -85,11 +85,15 @@ def beside(
 
 
 def density_of(
-    group: list[Narrow], frequency: Float[np.ndarray, " _"], samples: float
+    group: list[Narrow], frequency: Float[np.ndarray, " _"], data: Data
 ) -> Float[np.ndarray, " _"]:
     """What a group puts into ordinates at some frequencies [u^2]."""
     nodes = points(frequency)
-    densities = [added_density(each.name, each.three, nodes, samples) for each in group]
+    densities = [
+        added_density(each.name, each.three, nodes, data.samples)
+        * left_of(each.name, frequency, data.averaging)
+        for each in group
+    ]
     return np.sum([np.asarray(density) for density in densities], axis=0)
 
 
@@ -128,5 +132,5 @@ def band_of(state: Investigation, group: list[Narrow], widths: float) -> Band:
     low = max(min(each.middle - widths * each.width for each in group), 1 / samples)
     high = min(max(each.middle + widths * each.width for each in group), 0.5)
     at = np.linspace(low, high, _SHARES)
-    own = density_of(group, at, samples)
+    own = density_of(group, at, state.data)
     return Band(low, high, at, own / (own + beside(state, group, at)))

@@ -223,7 +223,8 @@ def begin(
     edges = bin_edges(spectrum.longest)
     spectrum = above_leakage(spectrum, binned(spectrum, edges))
     bins = binned(spectrum, edges)
-    data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool))
+    averaging = float(sampling == "averaged")
+    data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool), averaging)
     first = _search.five_terms(power, data)
     return Investigation(
         values,

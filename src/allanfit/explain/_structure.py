@@ -101,6 +101,8 @@ class Data(NamedTuple):
     repeat: float
     #: Which of Q, N, B, K the structure has.
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
+    #: One if samples are averages over their interval, else zero.
+    averaging: float = 0.0
 
 
 def without_droop(shaping: str) -> str:
@@ -203,6 +205,15 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
 
 
+def left_of(name: str, frequency: Any, averaging: float) -> Float[Array, "*shape"]:
+    """What averages leave of an added noise, but for aliases; 1 of samples at an instant.
+
+    A line that wanders is as large as it is among the samples.
+    """
+    sinc = jnp.square(jnp.sinc(jnp.asarray(frequency)))
+    return jnp.ones_like(sinc) if name == "drifting_line" else 1 - averaging * (1 - sinc)
+
+
 def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
     """|H|^2 with aliases of white noise, |H|^2 itself, the bump; one where there is none."""
     middle = jnp.asarray(nodes)[:, 1]
@@ -273,7 +284,9 @@ def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slo
     _, _, bump = _gains(theta, kinds, data)
     slots = theta[kinds.first_slot :].reshape(-1, EACH)
     found = [
-        added_density(name, three, data.bins.nodes, data.samples) * bump
+        added_density(name, three, data.bins.nodes, data.samples)
+        * left_of(name, data.bins.nodes[:, 1], data.averaging)
+        * bump
         for name, three in zip(kinds.added, slots, strict=True)
     ]
     return jnp.stack(found) if found else jnp.zeros((0, bump.shape[0]))

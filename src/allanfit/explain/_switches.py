@@ -6,7 +6,7 @@ from jaxtyping import Bool, Float
 from . import _means, _search
 from ._ordinates import ordinates, points
 from ._state import Investigation
-from ._structure import EACH, added_density, shape_of
+from ._structure import EACH, added_density, left_of, shape_of
 from ._telegraph import Levels, two_levels
 from ._whiten import level, whitened
 
@@ -28,6 +28,7 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
     found = added_density("gauss_markov", three, points(thinned), state.data.samples)
+    found = found * left_of("gauss_markov", thinned, state.data.averaging)
     signal = np.minimum(np.interp(frequency, thinned, np.asarray(found)), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
     return two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
