@@ -11,6 +11,7 @@ from ._intervals import runs
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
 from ._ordinates import amplitudes, bin_edges, binned, ordinates
+from ._skewness import leans
 from ._spread import PULLED_IN, Contamination, Modulation, contamination, modulation
 from ._state import (
     Finding,
@@ -131,8 +132,9 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
             )
         )
         state.gains["outliers"] = of_spikes(even, box, seed)
+        state.leans = leans(even, spiky.fraction, state.format.width * height, seed)
         clear = np.abs(even) > spiky.threshold
-        if spiky.fraction > USUAL:
+        if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
             wrong = 0.0
         elif clear.mean() < _RARE:
             _excise(state, clear, mean, seed)

@@ -61,11 +61,12 @@ def _log_chance(state: Investigation, name: str) -> float:
 
 def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> dict[str, Any]:
     end = state.moment(state.values.size) * dt
+    if effect.in_time:
+        seen = effect.note.partition(";")[0]
+        return _of_time(0.0, end, 1.0, chance, f"{seen[0].upper()}{seen[1:]}.")
     if effect.name == "warm_up":
         low, high = 0.0, min(3 * effect.value("time_constant"), end)
         ratio = 1.0
-    elif effect.in_time:
-        low, high, ratio = 0.0, end, 1.0
     elif effect.name == "step":
         low, high = min(effect.lists["times"]), max(effect.lists["times"])
         ratio = 1.0

@@ -85,6 +85,8 @@ class Investigation:
     findings: list[Finding] = field(default_factory=list)
     peaks: list[Peak] = field(default_factory=list)
     contamination: Contamination | None = None
+    #: Log of the chance that the noise leans to one side as much, if it has long tails.
+    leans: float = 0.0
     modulation: Modulation | None = None
     #: What was filtered out of loud times, if that was not white.
     vibration: Any = None

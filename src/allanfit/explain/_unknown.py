@@ -60,6 +60,8 @@ _FINE = 0.1
 # A waveform is looked for where so many of its harmonics are lines, whose places are known to such
 # a part of 1/T, by the Cramér-Rao bound of the weakest that is found.
 _HARMONICS, _LINE_ERROR = 4, 0.1
+# Where most of what is white is [cycles per sample].
+_WHITE = 0.25
 # A swing to and fro turns at sqrt(2) times its rms.
 _TURN = 1.6
 
@@ -91,6 +93,7 @@ def look_again(state: Investigation) -> None:
     _turns(state)
     broad = _broad(state, white)
     _swing(state, _repeated(state, white, broad))
+    _skewed(state)
     _other_spectrum(state, broad)
     _bump_instead(state)
 
@@ -413,6 +416,19 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         why = "the strength of the noise swings"
         like = "interpolation to another rate does so"
         state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True, like=like))
+
+
+def _skewed(state: Investigation) -> None:
+    """Noise that leans to one side has long tails there, and no spikes of their own."""
+    if state.leans >= np.log(state.alarm) or "outliers" in state.disowned:
+        return
+    state.disowned.add("outliers")
+    state.findings.append(Finding("bump", state.leans, 0.0))
+    if "outliers" in state.gains:
+        state.gains["bump"] = state.gains["outliers"]
+    why = "the noise leans to one side"
+    like = "rectified noise or a curved characteristic does so"
+    state.unknown.append(Unknown(_WHITE, 0.5, why, in_time=True, like=like))
 
 
 def _broad(
