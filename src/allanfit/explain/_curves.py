@@ -27,7 +27,7 @@ def explained_curves(
     before = curves_document(fit, factor)
     course = state.drawn
     allan, psd = before["allan"], before["psd"]
-    density, added = _density(fit, state, course, dt)
+    density, added = _density(fit, state, course)
     names = _labels(state, effects)
     psd_effects = {
         name: listed(each * dt / factor**2) for name, each in zip(names, added, strict=False)
@@ -81,7 +81,7 @@ def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
     return labels
 
 
-def _density(fit: Fit, state: Investigation, course, dt: float):
+def _density(fit: Fit, state: Investigation, course):
     """Mean of the better model over each bin of the fit's spectrum, and of each added noise."""
     spectrum, data = state.spectrum, state.data
     total = state.variance
@@ -100,15 +100,14 @@ def _density(fit: Fit, state: Investigation, course, dt: float):
     used = data.bins.used
     frequency = data.bins.frequency[used]
 
-    def mean(frequency, density):
-        """Over each bin, of the density of the log."""
-        found = density
-        if frequency is not at:
-            found = logged_density(at, state.stride, lambda f: np.interp(f, frequency, density))
-        return np.bincount(index, found, minlength=middle.size) / count
+    def of_log(known, density):
+        return logged_density(at, state.stride, lambda f: np.interp(f, known, density))
 
-    shares = [mean(frequency, each[used]) for each in added]
-    return mean(spectrum.frequency, total), shares
+    def mean(density):
+        return np.bincount(index, density, minlength=middle.size) / count
+
+    shares = [mean(of_log(frequency, each[used])) for each in added]
+    return mean(total if state.stride == 1 else of_log(spectrum.frequency, total)), shares
 
 
 def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):

@@ -109,12 +109,12 @@ def _fold(spectrum: Ordinates, moved, edges, model: Model, data: Data, plain: Da
         weighted.T @ moved[train], weighted.T @ spectrum.amplitude[train], rcond=None
     )[0]
     rest = spectrum.less(moved @ sizes)
-    old, _ = _fitted(binned(spectrum, edges, 1 - fold), model, data, plain)
-    _, new = _fitted(binned(rest, edges, 1 - fold), model, data, plain)
+    whole, clean = (binned(each, edges, 1 - fold) for each in (spectrum, rest))
+    old, new = _fitted(whole, clean, model, data, plain)
     bins = binned(spectrum, edges, fold)
-    low, high, scatter = _scores(bins, old, new, model, data, plain)
+    low, high, scatter = _scores(bins, old, new, data, plain)
     if moved.shape[1]:
-        high = _scores(binned(rest, edges, fold), old, new, model, data, plain)[1]
+        high = _scores(binned(rest, edges, fold), old, new, data, plain)[1]
         scatter = _scatter(spectrum, rest, bins, old, new, data, plain, test) ** 2
     return low, high, float(np.sum(scatter))
 
@@ -124,15 +124,15 @@ def _weighted(spectrum: Ordinates, moved, variance) -> Float[np.ndarray, "ordina
     return np.where(spectrum.clean(spectrum.frequency), 1 / variance, 0.0)[:, None] * moved
 
 
-def _fitted(train: Bins, model: Model, data: Data, plain: Data) -> tuple[Model, Model]:
-    known = data._replace(bins=train)
-    simple = plain._replace(bins=train)
-    old = five_terms(np.exp(model.theta[:TERMS]), simple)
-    new = best([(model.kinds, model.theta)], known)[0]
-    return old, new
+def _fitted(
+    plain_bins: Bins, bins: Bins, model: Model, data: Data, plain: Data
+) -> tuple[Model, Model]:
+    """Five terms fitted to ordinates, and the model to those without the courses."""
+    old = five_terms(np.exp(model.theta[:TERMS]), plain._replace(bins=plain_bins))
+    return old, best([(model.kinds, model.theta)], data._replace(bins=bins))[0]
 
 
-def _scores(test: Bins, old: Model, new: Model, model: Model, data: Data, plain: Data):
+def _scores(test: Bins, old: Model, new: Model, data: Data, plain: Data):
     """Log-likelihoods of the bins under both, and the variance of the difference."""
     before = mean_density(old, plain._replace(bins=test))
     after = mean_density(new, data._replace(bins=test))
@@ -151,12 +151,12 @@ def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, vari
         test = spectrum.less(sign * noise)
         weighted = _weighted(spectrum, moved, variance)
         sizes = np.linalg.lstsq(weighted.T @ moved, weighted.T @ train.amplitude, rcond=None)[0]
-        old, _ = _fitted(binned(train, edges), model, data, plain)
-        _, new = _fitted(binned(train.less(moved @ sizes), edges), model, data, plain)
+        whole, clean = (binned(each, edges) for each in (train, train.less(moved @ sizes)))
+        old, new = _fitted(whole, clean, model, data, plain)
         rest = test.less(moved @ sizes)
         whole, clean = binned(test, edges), binned(rest, edges)
-        low = _scores(whole, old, new, model, data, plain)[0]
-        high = _scores(clean, old, new, model, data, plain)[1]
+        low = _scores(whole, old, new, data, plain)[0]
+        high = _scores(clean, old, new, data, plain)[1]
         total_before += low / 2
         total_after += high / 2
         scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain, everywhere))

@@ -79,12 +79,32 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         _name_loud_times(state, vibrating[0].times, of_loud_times(heard, seed))
         mean = level(state.left, state.variance)
         even = _white(state, notches)
-    elif loud:
-        even = white / np.where(changing.loud, white[changing.loud].std(), 1.0)
-        even[~changing.loud] /= white[~changing.loud].std()
-        even = even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
     else:
-        even = white
+        even = _evened(white, changing.loud) if loud else white
+    knocked = _knocked(state, white, even)
+    if knocked is not None and may_cut:
+        if steps_instead(state, knocked):
+            return about_spread(state, seed, may_cut=may_cut)
+        knock(state, knocked, white)
+        if state.vibration is not None:
+            # The knock passed for quiet noise: vibration is found again without it.
+            state.values, state.vibration = state.vibration.recorded, None
+        return True
+    if loud and vibrating is None:
+        _count_out(state, changing)
+        _name_loud_times(state, changing, of_loud_times(heard, seed))
+    _name_spikes(state, even, mean, seed)
+    if loud or state.contamination is not None:
+        refit(state)
+    return False
+
+
+def _knocked(
+    state: Investigation,
+    white: Float[np.ndarray, " looked_at"],
+    even: Float[np.ndarray, " looked_at"],
+) -> Modulation | None:
+    """Times in which short spectra of `even` noise stand out, if they do and are brief."""
     brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN))
     state.witness(
         "bursts",
@@ -94,15 +114,18 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     )
     apart = away_from_edges(state, brief.loud)
     unlikely = brief.log_p < np.log(state.alarm) and apart.any()
-    if unlikely and may_cut and brief.loud.mean() < BRIEF_SHARE:
-        knocked = as_modulation(white, brief._replace(loud=apart))
-        if steps_instead(state, knocked):
-            return about_spread(state, seed, may_cut=may_cut)
-        knock(state, knocked, white)
-        if state.vibration is not None:
-            # The knock passed for quiet noise: vibration is found again without it.
-            state.values, state.vibration = state.vibration.recorded, None
-        return True
+    if not unlikely or brief.loud.mean() >= BRIEF_SHARE:
+        return None
+    return as_modulation(white, brief._replace(loud=apart))
+
+
+def _name_spikes(
+    state: Investigation,
+    even: Float[np.ndarray, " looked_at"],
+    mean: Float[np.ndarray, " ordinates"],
+    seed: int,
+) -> None:
+    """Name values that are larger than normal noise has them, and count them out of N."""
     box = _uniform_part(state, mean)
     spiky = contamination(even, seed, box)
     state.witness(
@@ -111,40 +134,36 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         spiky.p_value,
         "Two normal distributions against one, on the whitened record.",
     )
-    # How tall a spike of one unit is in the whitened record.
-    height = float(np.mean(1 / np.sqrt(mean / 2)))
-    if loud and vibrating is None:
-        _count_out(state, changing)
-        _name_loud_times(state, changing, of_loud_times(heard, seed))
     spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
     # A mixture of two shapes of one width has short tails.
     tails = spiky.fraction > USUAL and spiky.amplitude > spiky.sigma / 2
-    new = state.contamination is None
-    if new and (spikes or (tails and spiky.gain > _LONG_TAILED)):
-        state.contamination = _in_units(spiky, height)
-        state.findings.append(
-            Finding(
-                "outliers",
-                np.log(max(spiky.p_value, 1e-300)),
-                spiky.gain,
-                {},
-                state.contamination,
-            )
-        )
-        state.gains["outliers"] = of_spikes(even, box, seed)
-        state.leans = leans(even, spiky.fraction, state.format.width * height, seed)
-        clear = np.abs(even) > spiky.threshold
-        if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
-            wrong = 0.0
-        elif clear.mean() < _RARE:
-            _excise(state, clear, mean, seed)
-            wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
-        else:
-            wrong = float(np.var(even)) - spiky.sigma**2
-        state.foreign += max(wrong, 0.0) / height**2
-    if loud or state.contamination is not None:
-        refit(state)
-    return False
+    tails = tails and spiky.gain > _LONG_TAILED
+    if state.contamination is not None or not (spikes or tails):
+        return
+    # How tall a spike of one unit is in the whitened record.
+    height = float(np.mean(1 / np.sqrt(mean / 2)))
+    state.contamination = _in_units(spiky, height)
+    log_p = np.log(max(spiky.p_value, 1e-300))
+    state.findings.append(Finding("outliers", log_p, spiky.gain, {}, state.contamination))
+    state.gains["outliers"] = of_spikes(even, box, seed)
+    state.leans = leans(even, spiky.fraction, state.format.width * height, seed)
+    clear = np.abs(even) > spiky.threshold
+    if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
+        wrong = 0.0
+    elif clear.mean() < _RARE:
+        _excise(state, clear, mean, seed)
+        wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
+    else:
+        wrong = float(np.var(even)) - spiky.sigma**2
+    state.foreign += max(wrong, 0.0) / height**2
+
+
+def _evened(
+    white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samples"]
+) -> Float[np.ndarray, " samples"]:
+    """As strong at loud times as at quiet ones, but for spikes."""
+    even = np.where(loud, white / white[loud].std(), white / white[~loud].std())
+    return even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
 
 
 def _at_the_ends(state: Investigation) -> Modulation | None:
