@@ -50,8 +50,12 @@ class Burst(NamedTuple):
     window: int
 
 
-def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
-    """Look for disturbances in a whitened record whose spikes are pulled in."""
+def bursts(white: Float[np.ndarray, " samples"], tail: float = 1.0) -> Burst:
+    """Look for disturbances in a whitened record whose spikes are pulled in.
+
+    Powers of tiles are taken for so many times less as the `tail` of the noise is longer than that
+    of a normal one.
+    """
     loud = np.zeros(white.size, bool)
     windows = [
         (shape, hop, fewest)
@@ -71,7 +75,7 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
         spectra = np.fft.rfft(frames * (shape / np.sqrt(np.sum(shape**2))))
         power = np.abs(spectra[:, fewest : spectra.shape[1] - fewest]) ** 2
         own = np.median(power, axis=0) / np.log(2)
-        strongest = (power / np.where(own > _OWN_LEVEL, own, 1.0)).max(axis=1)
+        strongest = (power / np.where(own > _OWN_LEVEL, own, 1.0)).max(axis=1) / tail
         for at in np.flatnonzero(trials - strongest < _BESIDE):
             loud[at * hop : at * hop + shape.size] = True
         if not _lasts(strongest, power.shape[1], trials):
@@ -91,7 +95,7 @@ def bursts(white: Float[np.ndarray, " samples"]) -> Burst:
     for tile in apart[: chances.index(log_p) + 1]:
         begin = round(tile.middle - tile.window / 2)
         loud[begin : begin + tile.window] = True
-    return Burst(loud, min(0.0, log_p), apart[0].power, apart[0].window)
+    return Burst(loud, min(0.0, log_p), tail * apart[0].power, apart[0].window)
 
 
 class _Tile(NamedTuple):

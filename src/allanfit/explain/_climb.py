@@ -21,6 +21,7 @@ from ._structure import (
     Kinds,
     active,
     added_density,
+    foreign,
     held_columns,
     left_of,
     shaped,
@@ -65,11 +66,11 @@ def rescale(
         for density, place in zip(added, sizes[TERMS:], strict=True)
     ]
     unit = np.concatenate(rows)
-    foreign = float(data.foreign) * bump[0]
+    alien = foreign(data) * bump[0]
 
     def slopes(logs):
         share = np.where(moving, np.exp(np.clip(logs, FLOOR, 60)), 0.0)[..., None] * unit
-        total = share.sum(axis=1) + foreign
+        total = share.sum(axis=1) + alien
         return total, np.moveaxis(share / total[:, None], 1, 2)
 
     reached, value = _ascend(
@@ -179,7 +180,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
     terms = np.asarray(data.terms)
     power = np.where(terms, np.exp(np.clip(theta[:, :TERMS], FLOOR, 60)), 0.0)
     noise = columns * power[:, None]
-    inner = noise.sum(axis=2) + float(data.foreign) * bump
+    inner = noise.sum(axis=2) + foreign(data) * bump
     total = inner + sum((each * bump for each in added), np.zeros_like(bump))
     if not slopes:
         return total, None

@@ -4,9 +4,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import irfft
 
-from . import _search
+from . import _discrete, _search
 from ._bursts import bursts
-from ._held_out_values import Gain, of_loud_times, of_spikes
+from ._held_out_values import Gain, of_events, of_loud_times, of_spikes
 from ._intervals import runs
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
@@ -40,15 +40,15 @@ _KERNEL = 4096
 _WIDEST = 1.65
 # Samples at the ends of a record in which what leaks there is told.
 _END = 32
+# Short spectra of held or rounded values stand out by up to so many times as much by chance, by
+# records of white noise held up to seven samples long, or rounded to five times its deviation.
+_LONGER_TAIL = 3.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 
 
 def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bool:
     """Outliers, loud times and knocks. Says whether the record has to be cut, if it may be."""
-    if not state.format.normal:
-        # Discrete or held samples are not normal, and their whitened record is not either.
-        return False
     at_the_ends = None if state.knocks else _at_the_ends(state)
     if at_the_ends is not None:
         knock(state, at_the_ends, whitened_pieces(state))
@@ -56,7 +56,11 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     rough = whitened_piece(state, state.longest)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _white(state, notches)
-    changing, heard = _modulation_of_n(state, white, seed)
+    mean = level(state.left, state.variance)
+    if state.format.normal:
+        changing, heard = _modulation_of_n(state, white, seed)
+    else:
+        changing, heard = _discrete.change(state, white, _height(mean), seed)
     state.witness(
         "variance in time",
         changing.ratio,
@@ -72,8 +76,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
             knock(state, changing, white)
             return True
-    mean = level(state.left, state.variance)
-    vibrating = vibration(state, white, mean, changing) if loud else None
+    vibrating = vibration(state, white, mean, changing) if loud and state.format.normal else None
     if vibrating is not None:
         take_out(state, *vibrating)
         _name_loud_times(state, vibrating[0].times, of_loud_times(heard, seed))
@@ -93,7 +96,10 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     if loud and vibrating is None:
         _count_out(state, changing)
         _name_loud_times(state, changing, of_loud_times(heard, seed))
-    _name_spikes(state, even, mean, seed)
+    if state.format.normal:
+        _name_spikes(state, even, mean, seed)
+    else:
+        _name_clear_spikes(state, even, _height(mean), seed)
     if loud or state.contamination is not None:
         refit(state)
     return False
@@ -105,7 +111,8 @@ def _knocked(
     even: Float[np.ndarray, " looked_at"],
 ) -> Modulation | None:
     """Times in which short spectra of `even` noise stand out, if they do and are brief."""
-    brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN))
+    tail = 1.0 if state.format.normal else _LONGER_TAIL
+    brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN), tail)
     state.witness(
         "bursts",
         brief.ratio,
@@ -114,7 +121,8 @@ def _knocked(
     )
     apart = away_from_edges(state, brief.loud)
     unlikely = brief.log_p < np.log(state.alarm) and apart.any()
-    if not unlikely or brief.loud.mean() >= BRIEF_SHARE:
+    hidden = not state.format.normal and _discrete.codes_over_noise(state) > _discrete.BRIEF
+    if not unlikely or hidden or brief.loud.mean() >= BRIEF_SHARE:
         return None
     return as_modulation(white, brief._replace(loud=apart))
 
@@ -140,11 +148,8 @@ def _name_spikes(
     tails = tails and spiky.gain > _LONG_TAILED
     if state.contamination is not None or not (spikes or tails):
         return
-    # How tall a spike of one unit is in the whitened record.
-    height = float(np.mean(1 / np.sqrt(mean / 2)))
-    state.contamination = _in_units(spiky, height)
-    log_p = np.log(max(spiky.p_value, 1e-300))
-    state.findings.append(Finding("outliers", log_p, spiky.gain, {}, state.contamination))
+    height = _height(mean)
+    _take_spikes(state, spiky, height)
     state.gains["outliers"] = of_spikes(even, box, seed)
     state.leans = leans(even, spiky.fraction, state.format.width * height, seed)
     clear = np.abs(even) > spiky.threshold
@@ -156,6 +161,36 @@ def _name_spikes(
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
     state.foreign += max(wrong, 0.0) / height**2
+
+
+def _name_clear_spikes(
+    state: Investigation, even: Float[np.ndarray, " looked_at"], height: float, seed: int
+) -> None:
+    """Spikes that no rounding makes, among values that are not normal."""
+    found = _discrete.clear_spikes(state, even, height, seed)
+    if found is None or state.contamination is not None or found[0].p_value >= state.alarm:
+        return
+    spiky, clear = found
+    _take_spikes(state, spiky, height)
+    state.gains["outliers"] = of_events(clear, spiky.p_value)
+    if clear.mean() < _RARE:
+        wrong = _discrete.unseen(spiky)
+        state.values = _discrete.replaced(state.values, state.looked_at[clear], seed)
+        _read_again(state)
+    else:
+        wrong = float(np.var(even)) - spiky.sigma**2
+    state.foreign += max(wrong, 0.0) / height**2
+
+
+def _take_spikes(state: Investigation, spiky: Contamination, height: float) -> None:
+    state.contamination = _in_units(spiky, height)
+    log_p = np.log(max(spiky.p_value, 1e-300))
+    state.findings.append(Finding("outliers", log_p, spiky.gain, {}, state.contamination))
+
+
+def _height(mean: Float[np.ndarray, " ordinates"]) -> float:
+    """How tall a spike of one unit is in the record that is whitened to this `mean`."""
+    return float(np.mean(1 / np.sqrt(mean / 2)))
 
 
 def _evened(
@@ -290,7 +325,7 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
         return 0.0
     spectrum = ordinates(quiet, state.sampling)
     bins = binned(spectrum, bin_edges(spectrum.longest))
-    data = state.data._replace(bins=bins, samples=float(spectrum.longest), foreign=0.0, repeat=1.0)
+    data = state.data._replace(bins=bins, samples=float(spectrum.longest))
     alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
     # Behind a filter five terms know no N, and loud times add nothing to nothing.
     return max(float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1])), 0.0)
@@ -341,7 +376,12 @@ def _excise(
         near = good[max(place - 4, 0) : place + 4]
         values[at] = values[near].mean() + own
     state.values = values
-    parts = tuple(values[start:stop] for start, stop in state.pieces)
+    _read_again(state)
+
+
+def _read_again(state: Investigation) -> None:
+    """The spectrum of the values as they are now."""
+    parts = tuple(state.values[start:stop] for start, stop in state.pieces)
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
     rebin(state)
 

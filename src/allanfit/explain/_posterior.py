@@ -27,6 +27,7 @@ from ._structure import (
     Data,
     active,
     droop_of,
+    foreign,
     free_filter,
     held_columns,
     shape_of,
@@ -135,7 +136,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
         return theta
 
-    held = held_columns(data)
+    held, alien = held_columns(data), foreign(data)
 
     def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
         with np.errstate(all="ignore"):
@@ -144,7 +145,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
             columns, bump, added = parts(theta, kinds, data, held)
             columns = columns[..., terms]
             power = np.exp(theta[:, place[:count]])
-            total = np.einsum("sbt,st->sb", columns, power) + float(data.foreign) * bump
+            total = np.einsum("sbt,st->sb", columns, power) + alien * bump
             for each in added:
                 total = total + each * bump
             excess = density / total - 1
@@ -185,7 +186,7 @@ def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
     """Standard deviations of the powers, the effects held; as `identify._posterior.coordinates`."""
     columns, bump, added = parts(model.theta[None], model.kinds, data, held_columns(data))
     power = np.where(np.asarray(data.terms), np.exp(model.theta[:TERMS]), 0.0)
-    total = columns[0] @ power + float(data.foreign) * bump[0]
+    total = columns[0] @ power + foreign(data) * bump[0]
     total = total + sum((each[0] * bump[0] for each in added), np.zeros_like(total))
     relative = columns[0] / total[:, None]
     information = (relative * np.asarray(data.bins.shape)[:, None]).T @ relative

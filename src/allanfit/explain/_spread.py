@@ -116,7 +116,7 @@ def contamination(
             best, shape = found, (spread, light)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
-    draws = _draws(lambda x: negative(x, *shape), best.x, seed)
+    draws = curvature_draws(lambda x: negative(x, *shape), best.x, seed)
     found = np.array([_free(each) for each in draws])
     value = _free(best.x)
     grid = np.linspace(2, 12, 2001) * value[2]
@@ -178,7 +178,9 @@ def log_mixture(
     return np.log(np.maximum(sum(_densities(three, found.heavy, found.box, at)), 1e-300))
 
 
-def _draws(negative, at: Float[np.ndarray, " k"], seed: int) -> Float[np.ndarray, "draws k"]:
+def curvature_draws(
+    negative, at: Float[np.ndarray, " k"], seed: int
+) -> Float[np.ndarray, "draws k"]:
     """A normal posterior about the maximum, from the curvature there."""
     size = at.size
     step = 1e-2

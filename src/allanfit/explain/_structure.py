@@ -259,6 +259,11 @@ def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
     return np.column_stack([plain[:, 1] * _held_angle(data), plain[:, 1] * held, slow])
 
 
+def foreign(data: Data) -> float | Float[np.ndarray, " bins"]:
+    """White noise in each bin that is not N, held as N is."""
+    return float(data.foreign) * (holding(data) if data.repeat != 1 else 1.0)
+
+
 def holding(data: Data) -> Float[np.ndarray, " bins"]:
     """What holding samples does to the density of white noise."""
     middle = np.asarray(data.bins.nodes)[:, 1]
