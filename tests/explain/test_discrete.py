@@ -96,7 +96,8 @@ def test_replaced_values_stay_codes_and_stay_held():
     assert np.array_equal(np.delete(filled, np.s_[300:306]), np.delete(values, np.s_[300:306]))
     new = filled[300:306]
     assert np.abs(new).max() <= 1.5
-    assert np.all(new[:3] == new[0]) and np.all(new[3:] == new[3])
+    assert np.all(new[:3] == new[0])
+    assert np.all(new[3:] == new[3])
     assert set(np.unique(new)) <= set(np.unique(values))
 
 
