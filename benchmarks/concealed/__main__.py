@@ -5,6 +5,7 @@
     python -m benchmarks.concealed --real          # effects put into real recordings, if present
     python -m benchmarks.concealed --known         # real recordings of which something is known
     python -m benchmarks.concealed --score         # only open the key and score what is there
+    python -m benchmarks.concealed --pool A B C    # score sets in these folders as one
 
 Each step goes on where it stopped. The tool is given recordings only; the digest of the answer
 key is printed and stored before the first of them is analysed, and checked when it is opened.
@@ -56,7 +57,12 @@ def main(arguments=None):
     parser.add_argument("--conceal", action="store_true", help="only make and seal the set")
     parser.add_argument("--again", action="store_true", help="forget what was said before")
     parser.add_argument("--score", action="store_true", help="only open the key and score")
+    parser.add_argument("--pool", type=Path, nargs="+", help="score several sets as one")
     options = parser.parse_args(arguments)
+    if options.pool:
+        pooled = [row for folder in options.pool for row in rows(folder)[0]]
+        print(_score.markdown(_score.score(pooled)))
+        return
     count = options.recordings or (24 if options.quick else 1500)
     tier, make, scorer = "synthetic", _key.conceal, _score
     if options.real:
