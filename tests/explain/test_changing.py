@@ -28,16 +28,30 @@ def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
 def test_a_contrast_that_stays_is_silent_and_one_that_moves_is_seen():
     """Of 200 steady records a tenth at .1 or fewer; false alarm 2e-3. Then a tilt to and fro."""
     rng = np.random.default_rng(6)
-    contrast = np.linspace(-1.0, 1.0, 127)
-    steady = [moved_along(rng.exponential(size=(400, 127)), contrast)[1] for _ in range(200)]
-    assert binom.sf(np.sum(np.exp(steady) < 0.1) - 1, 200, 0.1) > 2e-3
+    contrast = np.linspace(-1.0, 1.0, 127)[:, None]
+    several = np.column_stack([contrast, contrast**2, 3 * contrast])
+    for each in (contrast, several):
+        steady = [moved_along(rng.exponential(size=(400, 127)), each)[1] for _ in range(200)]
+        assert binom.sf(np.sum(np.exp(steady) < 0.1) - 1, 200, 0.1) > 2e-3
     powers = rng.exponential(size=(400, 127))
     # Louder and softer is no matter.
     level = 1 + 0.5 * np.sin(2 * np.pi * np.arange(400) / 100)[:, None]
     assert moved_along(level * powers, contrast)[1] > np.log(1e-3)
     turning = np.where(np.arange(400) // 50 % 2, 1.0, -1.0)[:, None]
-    gain, log_p = moved_along(powers * (1 + 0.1 * turning * contrast), contrast)
+    moving = powers * (1 + 0.1 * turning * contrast[:, 0])
+    gain, log_p = moved_along(moving, contrast)
     # The fundamental of a square wave holds 8/pi^2 of n a^2 sum of squares of the contrast.
     expected = 8 / np.pi**2 * 400 * 0.01 * np.sum(contrast**2)
     assert abs(gain - expected) < 5 * 2 * np.sqrt(expected)
     assert log_p < np.log(1e-4)
+    assert moved_along(moving, several)[1] < np.log(1e-4)
+
+
+def test_a_level_that_is_known_to_change_is_no_contrast_that_moves():
+    rng = np.random.default_rng(7)
+    slope = np.linspace(0.5, 3.0, 127)
+    contrasts = np.column_stack([slope, slope**2])
+    turning = np.where(np.arange(400) // 50 % 2, 1.0, -1.0)[:, None]
+    moving = rng.exponential(size=(400, 127)) * (1 + 0.05 * turning * slope)
+    assert moved_along(moving, contrasts)[1] < np.log(1e-4)
+    assert moved_along(moving, contrasts, slope)[1] > np.log(1e-3)

@@ -2,7 +2,6 @@
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.fft import dct
 from scipy.stats import chi2
 
 # A swing of the noise is looked for from so many periods on, and up to as many short of half the
@@ -20,8 +19,10 @@ _PLAIN = 0.1
 _FULL = 0.5
 # Less of a tile's power is none; more of a tile is all of it.
 _CUT, _NEARLY_ALL = 0.02, 0.99
-# Of the cosines over all tiles the slowest are looked at: one in so many.
+# Of the periods over all tiles the slowest are looked at: one in so many.
 _SLOWEST = 8
+# Contrasts with a smaller part of their own are one.
+_PARALLEL = 1e-3
 
 # Parts of a record differ in their number of tiles.
 Powers = Float[np.ndarray, "_ frequencies"]
@@ -114,22 +115,33 @@ def quiet_spectrum(quiet: Powers) -> Float[np.ndarray, " frequencies"]:
     return np.where(usual > _CUT, usual, 1.0)
 
 
-def moved_along(powers: Powers, contrast: Float[np.ndarray, " frequencies"]) -> tuple[float, float]:
-    """How much a spectrum moves to and fro along a contrast: twice the gain in log-likelihood.
+def moved_along(
+    powers: Powers,
+    contrasts: Float[np.ndarray, "frequencies k"],
+    level: Float[np.ndarray, " frequencies"] | None = None,
+) -> tuple[float, float]:
+    """How much a spectrum moves to and fro along contrasts: twice the gain in log-likelihood.
 
-    In each tile the contrast, freed of what the level does, has a value; over time these are
-    white, unless something goes on that is slow. Returns the strongest cosine's gain, and the log
-    of the chance that one of them gains as much.
+    In each tile the contrasts, freed of what the level does and of another `level` that may change,
+    have values; over time these are white, unless something goes on that is slow. Returns the gain of the strongest period, of
+    which the record has one at least, and the log of the chance that one of them gains as much.
     """
-    contrast = contrast - contrast.mean()
-    values = (powers - powers.mean(axis=0)) @ contrast
-    size = np.mean(values**2)
-    last = len(values) // _SLOWEST
-    if last < 2 or size <= 0:
+    flat = np.ones(len(contrasts))
+    levels, _ = np.linalg.qr(np.column_stack([flat] if level is None else [flat, level]))
+    freed = contrasts - levels @ (levels.T @ contrasts)
+    basis, sizes, _ = np.linalg.svd(freed, full_matrices=False)
+    basis = basis[:, sizes > _PARALLEL * max(float(np.linalg.norm(contrasts)), 1e-300)]
+    values = (powers - powers.mean(axis=0)) @ basis
+    # Half an ordinate apart, so that no period falls between two.
+    last = 2 * len(values) // (2 * _SLOWEST)
+    if last < 4 or not values.any():
         return 0.0, 0.0
-    gains = np.asarray(dct(values, norm="ortho"))[1:last] ** 2 / size
+    spectra = np.fft.rfft(values, 2 * len(values), axis=0)[2:last]
+    inverse = np.linalg.inv(values.T @ values)
+    gains = 2 * np.einsum("fi,ij,fj->f", spectra, inverse, spectra.conj()).real
     gain = float(gains.max())
-    return gain, float(min(0.0, chi2.logsf(gain, 1) + np.log(gains.size)))
+    log_p = chi2.logsf(gain, 2 * basis.shape[1]) + np.log(gains.size)
+    return gain, float(min(0.0, log_p))
 
 
 def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None:

@@ -270,8 +270,7 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
         loud = shares(state.flags(state.modulation.loud)[slice(*state.longest)])
         density = np.interp(np.arange(powers.shape[1]) / TILE, *made_white)
         found = reshaped_at_times(powers, loud, density) or found
-    else:
-        found = found or _corner_moves(state, powers)
+    found = found or _corner_moves(state, powers)
     if found is None:
         return
     frequency, log_p = found
@@ -315,7 +314,11 @@ def _corner_moves(
     frequency = np.arange(1, powers.shape[1] - 1) / (2 * (powers.shape[1] - 1))
     nodes, three = points(frequency), state.model.theta[TERMS : TERMS + EACH]
     folded, slopes = filter_slopes(shaping, three, nodes, state.data.samples)
-    gain, log_p = moved_along(powers[:, 1:-1], slopes[:, 1] / folded)
+    # Louder noise may be the sensor's, which is filtered, or come in behind the filter.
+    behind = None
+    if state.modulation is not None:
+        behind = 1 / np.interp(frequency, state.left.frequency, state.variance)
+    gain, log_p = moved_along(powers[:, 1:-1], slopes / folded[:, None], behind)
     if log_p > np.log(_CORNER) or gain < _CORNER_SHARE * named.gain:
         return None
     return min(_corner(state), 0.5), log_p
