@@ -92,7 +92,8 @@ def test_a_format_says_which_effects_it_cannot_hold(write_explained, make_channe
 
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize(
-    "flag", ["digital", "averaged", "running_mean", "windowed", "regular", "high_pass", None]
+    "flag",
+    ["digital", "averaged", "running_mean", "windowed", "regular", "high_pass", "flat", None],
 )
 def test_every_format_takes_an_effect_that_says_what_kind_it_is(
     write_explained, make_channel, tmp_path, flag, name
@@ -101,8 +102,8 @@ def test_every_format_takes_an_effect_that_says_what_kind_it_is(
     effects = {"low_pass": {"cutoff_frequency": (20.0, "Hz"), "order": (2.0, "")}}
     if flag == "regular":
         effects = {"sample_hold": {"repeat": (2.0, "")}}
-    if flag == "high_pass":
-        shape = {"height": (0.0, ""), "frequency": (0.1, "Hz"), "width": (0.5, "")}
+    if flag in ("high_pass", "flat"):
+        shape = {"height": (0.2, ""), "frequency": (0.1, "Hz"), "width": (0.5, "")}
         effects = {"bump": shape}
     for parameters in effects.values():
         parameters |= {"droop": (0.4, "")} if flag is None else {flag: (1.0, "")}

@@ -51,7 +51,7 @@ CONTRACT = {
     "variance_modulation": ["ratio", "intervals"],
     "vibration_rectification": ["coefficient"],
     "disturbance": ["intervals"],
-    "bump": ["height", "frequency", "width", "high_pass"],
+    "bump": ["height", "frequency", "width", "high_pass", "flat"],
 }
 DT = 0.01
 SAMPLINGS = ("point", "averaged")
@@ -313,6 +313,16 @@ def test_a_bump_is_where_it_is_said_to_be():
     expected = np.exp(-1.2 * np.exp([0.0, -0.5, -5000]))
     np.testing.assert_allclose(bump.gain(jnp.asarray(at), DT), expected)
     assert bump.gain(jnp.zeros(1), DT) == 1
+
+
+def test_a_flat_bump_is_a_band_with_steep_flanks():
+    """Within .7 widths as high as in the middle to 3 %, beyond 1.5 widths nothing."""
+    bump = Bump(*map(jnp.asarray, (1.2, 8.0, 0.4)), flat=True)
+    at = 8.0 * np.exp(0.4 * np.array([-1.5, -1.0, -0.7, 0.0, 0.7, 1.0, 1.5]))
+    height = np.log(np.asarray(bump.gain(jnp.asarray(at), DT))) / 1.2
+    np.testing.assert_allclose(height[2:5], 1.0, atol=0.03)
+    np.testing.assert_allclose(height[[1, 5]], np.exp(-0.5))
+    assert np.all(height[[0, 6]] < 1e-5)
 
 
 @pytest.mark.parametrize("order", [1, 2])

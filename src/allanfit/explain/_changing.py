@@ -123,8 +123,9 @@ def moved_along(
     """How much a spectrum moves to and fro along contrasts: twice the gain in log-likelihood.
 
     In each tile the contrasts, freed of what the level does and of another `level` that may change,
-    have values; over time these are white, unless something goes on that is slow. Returns the gain of the strongest period, of
-    which the record has one at least, and the log of the chance that one of them gains as much.
+    have values; over time these are white, unless something goes on that is slow. Returns the gain
+    of the strongest period, of which the record has one at least, and the log of the chance that
+    one of them gains as much.
     """
     flat = np.ones(len(contrasts))
     levels, _ = np.linalg.qr(np.column_stack([flat] if level is None else [flat, level]))

@@ -17,6 +17,7 @@ from ._state import Finding, Investigation
 from ._structure import (
     DROOPING,
     EACH,
+    FLAT,
     HIGH_PASS,
     NARROW,
     TERMS,
@@ -36,6 +37,7 @@ _LINE = 0.97
 # So many times of a line are told.
 _MOST_TIMES = 3
 _LIKELY_ROOM = 0.75
+_BAND = "a band of noise {:.3g} times as strong, from {:.3g} to {:.3g} Hz, with steep flanks"
 _CUT = (
     "noise is missing below {:.3g} Hz, as behind a high-pass filter of order {:.2g}: alternating-"
     "current coupling, or a mean that is estimated and taken off all the time"
@@ -210,8 +212,12 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
         values = {"height": np.zeros(2), **values, "high_pass": np.ones(2)}
         band, note = (0.0, 2 * middle), _CUT.format(middle, 1 / (2 * breadth))
     else:
-        values = {"height": np.tanh(three[0] / 6) * 6, **values}
+        height = np.tanh(three[0] / 6) * 6
+        values = {"height": height, **values}
         band, note = (middle * np.exp(-breadth), min(middle * np.exp(breadth), 0.5 / dt)), ""
+        if shaping == FLAT:
+            values["flat"] = np.ones(2)
+            note = _BAND.format(np.exp(np.median(height)), *band)
     return Effect("bump", _SURE, {}, values, {}, band, note)
 
 

@@ -19,6 +19,7 @@ from ._search import Model, best, rise_without
 from ._structure import (
     DROOPING,
     EACH,
+    FLAT,
     FLOOR,
     FREE_FILTERS,
     RUNNING_MEAN,
@@ -157,7 +158,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
             value += np.sum(np.log(np.abs(np.sinh(2 * x[:, :count]))), axis=1)
             # Uniform in the logarithm between the bounds: the slope of the logistic function.
             for index in place[count:]:
-                if index not in sizes and not (kinds.shaping == "bump" and index == TERMS):
+                if index not in sizes and not (kinds.shaping in ("bump", FLAT) and index == TERMS):
                     u = theta[:, index]
                     value += -np.abs(u) - 2 * np.log1p(np.exp(-np.abs(u)))
             for index in sizes:

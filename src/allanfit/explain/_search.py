@@ -14,6 +14,7 @@ from ._structure import (
     ADDED,
     DROOPING,
     EACH,
+    FLAT,
     FREE_FILTERS,
     HIGH_PASS,
     RUNNING_MEAN,
@@ -141,7 +142,7 @@ def candidates(
 
 
 def bumps(model: Model, data: Data) -> list[Candidate]:
-    """A smooth bump, or a lack toward low frequency, where nothing of the catalogue helps."""
+    """A bump, smooth or flat, or a lack toward low frequency, where nothing that has a name helps."""
     if model.kinds.shaping is not None:
         return []
     starts = []
@@ -149,15 +150,15 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
     frequency = data.bins.frequency
     low, high = frequency[data.bins.used].min(), frequency[data.bins.used].max()
     for centre in np.geomspace(2 * low, high * 0.9, 12):
-        for width in (0.1, 0.5):
+        for shaping, width in itertools.product(("bump", FLAT), (0.1, 0.5)):
             weight = shape * np.exp(-((np.log(frequency / centre) / width) ** 2) / 2)
             if weight.sum() < 1:
                 continue
             height = np.log(np.sum(weight * density / mean) / weight.sum())
             three = [6 * np.arctanh(np.clip(height, -5, 5) / 6)]
-            limits = bounds("bump", data.samples)
+            limits = bounds(shaping, data.samples)
             three += [free(centre, *limits[0]), free(width, *limits[1])]
-            starts.append(_shaping_start("bump", three, model))
+            starts.append(("bump", *_shaping_start(shaping, three, model)[1:]))
     limits = bounds(HIGH_PASS, data.samples)
     for centre, width in itertools.product(np.geomspace(2 * low, high / 4, 8), (0.25, 0.5)):
         three = [0.0, free(centre, *limits[0]), free(width, *limits[1])]

@@ -42,7 +42,8 @@ RUNNING_MEAN = "running_mean"
 WINDOWED = "windowed_low_pass"
 #: What has no name: a bump about one frequency, or a lack toward zero.
 HIGH_PASS = "high_pass"
-UNNAMED = ("bump", HIGH_PASS)
+FLAT = "flat_bump"
+UNNAMED = ("bump", HIGH_PASS, FLAT)
 FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN, WINDOWED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
@@ -146,6 +147,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
+        FLAT: ((2 / samples, 0.5), (0.03, 3.0)),
         HIGH_PASS: ((0.5 / samples, 0.3), (0.05, 0.9)),
     }[without_droop(name)]
 
@@ -227,7 +229,8 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
     if shaping in UNNAMED:
         high_pass = shaping == HIGH_PASS
         where = shape_of(shaping, three, samples)
-        gain = Bump(jnp.tanh(three[0] / 6) * 6, *where, high_pass=high_pass).gain(middle, 1.0)
+        height, flat = jnp.tanh(three[0] / 6) * 6, shaping == FLAT
+        gain = Bump(height, *where, high_pass=high_pass, flat=flat).gain(middle, 1.0)
         if high_pass:
             # Two ends leak it, and their squares are up to some times their mean.
             gain += end_leakage(*where) / samples * jnp.exp(_TWO_ENDS * jnp.tanh(three[0]))

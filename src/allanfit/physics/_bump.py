@@ -1,4 +1,4 @@
-"""A smooth excess or lack of noise about one frequency: the shape of what has no name."""
+"""An excess or lack of noise about one frequency: the shape of what has no name."""
 
 from typing import ClassVar
 
@@ -18,6 +18,9 @@ class Bump(AbstractFilter):
     A description and no physics; a lack of noise has a negative height. The width is in e-folds
     of frequency.
 
+    A `flat` one has the power 8 instead of 2 of the distance, and so a flat top and steep flanks:
+    a band of noise from f_0 exp(-width) to f_0 exp(width).
+
     A `high_pass` is the lack toward zero frequency that alternating-current coupling leaves, or a
     mean that is estimated and taken off all the time: the density is multiplied by
     1/(1 + (f_0/f)^(1/width)), a Butterworth filter of order 1/(2 width), whatever the height.
@@ -27,12 +30,14 @@ class Bump(AbstractFilter):
     frequency: Float[Array, ""]
     width: Float[Array, ""]
     high_pass: bool = eqx.field(static=True, default=False)
+    flat: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "bump"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("height", ""),
         Parameter("frequency", "Hz"),
         Parameter("width", ""),
         Parameter("high_pass", ""),
+        Parameter("flat", ""),
     )
     what: ClassVar[str] = "a bump or dip of the noise about one frequency"
     origin: ClassVar[str] = "nothing that the catalogue has a name for"
@@ -46,7 +51,7 @@ class Bump(AbstractFilter):
         distance = jnp.log(jnp.maximum(frequency / self.frequency, 1e-18)) / self.width
         if self.high_pass:
             return jax.nn.sigmoid(distance)
-        return jnp.exp(self.height * jnp.exp(-(distance**2) / 2))
+        return jnp.exp(self.height * jnp.exp(-(distance ** (8 if self.flat else 2)) / 2))
 
     def apply(
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
