@@ -134,7 +134,7 @@ def test_the_gain_of_values_is_there_where_the_cause_is():
     assert of_swing(white * swing, 97.0).nats == pytest.approx(20_000 * 0.16 / 8, rel=0.25)
     assert of_swing(white, 97.0).nats < 5
     spikes = 8.0 * rng.standard_normal(20_000) * (rng.random(20_000) < 0.003)
-    assert of_spikes(white + spikes, 0.0, 0).nats > 50
+    assert of_spikes(white + spikes, (), 0).nats > 50
 
 
 def test_a_resonance_beside_a_sweep_keeps_its_name(tmp_path, noise):

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from allanfit.explain._format import sample_format
 from allanfit.explain._intervals import runs
 from allanfit.explain._lines import refine, scan
 from allanfit.explain._rounded import about_format
-from allanfit.explain._spread import contamination, modulation, uneven
+from allanfit.explain._spread import contamination, log_body, modulation, uneven
 from allanfit.explain._state import begin
 
 SAMPLES = 40_000
@@ -64,18 +65,39 @@ def test_light_tails_of_a_rounded_angle_hide_no_spikes():
     spikes = (rng.random(samples) < 1e-3) * 3 / height * rng.standard_normal(samples)
     white = np.fft.irfft(np.fft.rfft(record + spikes) / density**0.5)
     calm = np.fft.irfft(np.fft.rfft(record) / density**0.5)
-    # What is uniform in the whitened record, from its fourth cumulant.
-    box = (7.5 * (3 - np.mean(calm**4) / np.var(calm) ** 2)) ** 0.25
-    assert contamination(calm, 0, box).p_value > 1e-3
-    found = contamination(white, 0, box)
+    # Of one angle's error, what each whitened sample holds, by whitening a record of it alone.
+    impulse = np.zeros(samples)
+    impulse[:2] = 1, -1
+    parts = np.abs(np.fft.irfft(np.fft.rfft(impulse) / density**0.5))
+    boxes = tuple(3**0.5 * parts[parts > 0.02])
+    assert contamination(calm, 0, boxes).p_value > 1e-3
+    found = contamination(white, 0, boxes)
     low, high = np.quantile(found.draws, [0.001, 0.999], axis=0)
-    assert found.box == box
+    assert found.boxes == boxes
     assert low[0] < 1e-3 < high[0]
     assert low[1] < 3 < high[1]
     # The peaks only: a fifth of the energy is beside them, which counts as fainter spikes.
     normal = contamination(white, 0)
     assert normal.gain < found.gain
     assert normal.fraction < 0.7 * found.fraction
+
+
+def test_sum_of_uniform_values_has_its_moments_and_tail():
+    """Cumulants of a uniform value: h^2/3, -2 h^4/15, 16 h^6/63; one alone is known exactly."""
+    at = np.linspace(-12, 12, 24001)
+    half = np.array([1.0, 1.0, 0.3])
+    density = np.exp(log_body(at, 1.0, tuple(half)))
+    second, fourth, sixth = (np.trapezoid(at**power * density, at) for power in (2, 4, 6))
+    assert second == pytest.approx(1, rel=1e-4)
+    kappa4, kappa6 = -2 / 15 * np.sum(half**4), 16 / 63 * np.sum(half**6)
+    assert fourth == pytest.approx(3 + kappa4, rel=1e-4)
+    assert sixth == pytest.approx(15 + 15 * kappa4 + kappa6, rel=1e-4)
+    rest = (1 - 1.5**2 / 3) ** 0.5
+    alone = (norm.sf((at - 1.5) / rest) - norm.sf((at + 1.5) / rest)) / 3.0
+    near, far = np.abs(at) < 4, np.abs(at) > 8
+    found = np.exp(log_body(at, 1.0, (1.5,)))
+    assert found[near] == pytest.approx(alone[near], rel=1e-3)
+    assert np.all(found[far] < np.exp(-(at[far] ** 2) / 2))
 
 
 def test_spikes_that_are_not_there_may_have_any_size():

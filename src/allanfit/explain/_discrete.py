@@ -128,7 +128,7 @@ def clear_spikes(
     log_p = float(binom.logsf(places - 1, values.size, 2 * norm.sf(_FAR)))
     gain = max(-2 * log_p, 0.0)
     found = Contamination(
-        fraction, size, sigma, False, 0.0, reach * sigma, draws, gain, float(np.exp(log_p))
+        fraction, size, sigma, False, (), reach * sigma, draws, gain, float(np.exp(log_p))
     )
     return found, as_held(clear, told, even.size)
 

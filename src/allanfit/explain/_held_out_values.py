@@ -62,12 +62,12 @@ def of_rails(values: Float[np.ndarray, " samples"], rails: tuple[float, ...]) ->
     return of_events(np.isin(values, rails), float(beyond))
 
 
-def of_spikes(white: Float[np.ndarray, " samples"], box: float, seed: int) -> Gain:
-    """Spikes in whitened samples, against one distribution, of which `box` is uniform."""
+def of_spikes(white: Float[np.ndarray, " samples"], boxes: tuple[float, ...], seed: int) -> Gain:
+    """Spikes in whitened samples, against one distribution, of which `boxes` are uniform."""
 
     def differences(known: slice, scored: slice):
-        found = contamination(white[known], seed, box)
-        plain = log_body(white[scored], float(white[known].std()), found.box)
+        found = contamination(white[known], seed, boxes)
+        plain = log_body(white[scored], float(white[known].std()), found.boxes)
         return log_mixture(found, white[scored]) - plain
 
     return _crossed(white.size, differences)

@@ -35,9 +35,10 @@ _RARE = 0.05
 USUAL = 0.08
 # Such noise is told from a strong effect that is not normal by this gain over a normal one.
 _LONG_TAILED = 60.0
-# Samples of the whitening kernel, and nearly the half-width of a uniform distribution.
+# Samples of the whitening kernel; uniform parts that are narrower are as good as normal, and so
+# much of the variance is uniform at most.
 _KERNEL = 4096
-_WIDEST = 1.65
+_NARROWEST, _MOST_UNIFORM = 0.02, 0.9
 # Samples at the ends of a record in which what leaks there is told.
 _END = 32
 # Short spectra of held or rounded values stand out by up to so many times as much by chance, by
@@ -134,8 +135,8 @@ def _name_spikes(
     seed: int,
 ) -> None:
     """Name values that are larger than normal noise has them, and count them out of N."""
-    box = _uniform_part(state, mean)
-    spiky = contamination(even, seed, box)
+    boxes = _uniform_parts(state, mean)
+    spiky = contamination(even, seed, boxes)
     state.witness(
         "outliers",
         spiky.gain,
@@ -150,8 +151,8 @@ def _name_spikes(
         return
     height = _height(mean)
     _take_spikes(state, spiky, height)
-    state.gains["outliers"] = of_spikes(even, box, seed)
-    state.leans = leans(even, spiky.fraction, state.format.width * height, seed)
+    state.gains["outliers"] = of_spikes(even, boxes, seed)
+    state.leans = leans(even, spiky.fraction)
     clear = np.abs(even) > spiky.threshold
     if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
         wrong = 0.0
@@ -331,21 +332,25 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
     return max(float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1])), 0.0)
 
 
-def _uniform_part(state: Investigation, mean: Float[np.ndarray, " ordinates"]) -> float:
-    """Half-width of what is uniform in a whitened sample, in standard deviations.
+def _uniform_parts(
+    state: Investigation, mean: Float[np.ndarray, " ordinates"]
+) -> tuple[float, ...]:
+    """Half-widths of what is uniform in a whitened sample, in standard deviations.
 
     The error of an angle that is rounded is uniform, and a whitened sample holds several of them.
-    One alone stands for them, with the fourth cumulant of their sum: -2/15 of its fourth power,
-    where each has -6/5 of its squared variance.
     """
     if state.model.kinds.shaping is not None:
-        return 0.0
+        return ()
     frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
     density = np.interp(frequency, state.left.frequency, mean / 2)
     difference = 1 - np.exp(-2j * np.pi * frequency)
     kernel = np.asarray(irfft(difference / np.sqrt(density), _KERNEL))
-    variance = float(np.exp(state.model.theta[0]))
-    return min((9 * variance**2 * float(np.sum(kernel**4))) ** 0.25, _WIDEST)
+    deviation = float(np.exp(state.model.theta[0] / 2))
+    half = np.sort(np.sqrt(3) * deviation * np.abs(kernel))[::-1]
+    half = half[half > _NARROWEST]
+    share = float(np.sum(half**2)) / 3
+    half *= np.sqrt(min(1.0, _MOST_UNIFORM / share)) if share else 1.0
+    return tuple(float(each) for each in half)
 
 
 def _in_units(found: Contamination, height: float) -> Contamination:

@@ -142,7 +142,7 @@ def candidates(
 
 
 def bumps(model: Model, data: Data) -> list[Candidate]:
-    """A bump, smooth or flat, or a lack toward low frequency, where nothing that has a name helps."""
+    """A bump, smooth or flat, or a lack toward low frequency, where nothing named helps."""
     if model.kinds.shaping is not None:
         return []
     starts = []
@@ -150,7 +150,7 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
     frequency = data.bins.frequency
     low, high = frequency[data.bins.used].min(), frequency[data.bins.used].max()
     for centre in np.geomspace(2 * low, high * 0.9, 12):
-        for shaping, width in itertools.product(("bump", FLAT), (0.1, 0.5)):
+        for shaping, width in itertools.product(("bump", FLAT), (0.15, 0.5)):
             weight = shape * np.exp(-((np.log(frequency / centre) / width) ** 2) / 2)
             if weight.sum() < 1:
                 continue
@@ -348,6 +348,13 @@ def without(model: Model, place: int) -> Model:
     place -= kinds.shaping is not None
     added = kinds.added[:place] + kinds.added[place + 1 :]
     return Model(kinds._replace(added=added), kept, model.deviance)
+
+
+def instead(model: Model, place: int, name: str, data: Data) -> Model | None:
+    """The structure with another noise in place of one of `kinds.added`; it comes last of them."""
+    bare = rescaled(without(model, place + (model.kinds.shaping is not None)), data)
+    found = _compare(_added(name, _shapes(name, data, ()), bare, data), bare, data)
+    return found[0].model if found else None
 
 
 _density = partial(jax.jit, static_argnums=0)(added_density)

@@ -5,19 +5,23 @@ amiss, so that each test has a null distribution that does not depend on the sen
 """
 
 import itertools
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.fft import irfft, next_fast_len, rfft
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.optimize import minimize, minimize_scalar
-from scipy.special import expit, ndtr
+from scipy.special import expit
 from scipy.stats import chi2, f
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
 PULLED_IN = 4.0
-# A uniform part narrower than this changes no tail.
+# Uniform parts whose fourth powers add up to less than that of this change no tail.
 _FLAT = 0.3
+# Half-width and points of the grid on which a body that is not normal is computed [standard
+# deviations], and the density below which rounding errors show.
+_GRID_REACH, _GRID_POINTS, _LEAST_DENSITY = 16.0, 4096, 1e-13
 # Shares of spikes, and their size over that of the body, to begin with.
 _SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
 # Logarithm of a size beyond all others.
@@ -46,8 +50,8 @@ class Contamination(NamedTuple):
     amplitude: float
     sigma: float
     heavy: bool
-    #: Half-width of what is uniform in values without spikes, in their standard deviations.
-    box: float
+    #: Half-widths of what is uniform in values without spikes, in their standard deviations.
+    boxes: tuple[float, ...]
     #: Beyond this a sample is more likely a spike than not.
     threshold: float
     #: Draws of (fraction, amplitude, sigma), shape (draws, 3).
@@ -71,13 +75,13 @@ class Modulation(NamedTuple):
 
 
 def contamination(
-    values: Float[np.ndarray, " samples"], seed: int, box: float = 0.0
+    values: Float[np.ndarray, " samples"], seed: int, boxes: tuple[float, ...] = ()
 ) -> Contamination:
     """Spikes among other values, by maximum likelihood on their histogram.
 
     Most of what is said of spikes comes from the tails: the body is summed in narrow bins, so that
-    a million samples cost no more than a thousand. The body is normal, or a normal and a uniform
-    distribution of half-width `box` (in standard deviations of the sum) together, whichever is
+    a million samples cost no more than a thousand. The body is normal, or the sum of a normal value
+    and of uniform ones of half-widths `boxes` (in standard deviations of the sum), whichever is
     likelier: tails that are lighter than a normal one's would hide spikes.
     """
     sigma = float(np.std(values))
@@ -90,30 +94,33 @@ def contamination(
     points = np.concatenate([centres, tail])
     weights = np.concatenate([body[:-1], np.ones(tail.size)])
 
-    def negative(three: Float[np.ndarray, " three"], heavy: bool, box: float) -> float:
-        mixture = sum(_densities(_free(three), heavy, box, points))
+    def negative(three: Float[np.ndarray, " three"], heavy: bool, boxes: tuple) -> float:
+        mixture = sum(_densities(_free(three), heavy, boxes, points))
         return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
 
-    def alone(width: float, box: float) -> float:
-        return -float(weights @ log_body(points, width, box))
+    def alone(width: float, boxes: tuple) -> float:
+        return -float(weights @ log_body(points, width, boxes))
 
     # The same histogram under one distribution of its own best width.
     width = np.sqrt(weights @ points**2 / weights.sum())
     reach = (0.8 * width, 1.1 * width)
-    boxes = (0.0, box) if box > _FLAT else (0.0,)
-    singles: list[Any] = [minimize_scalar(alone, bounds=reach, args=(each,)) for each in boxes]
+    light = sum(each**4 for each in boxes) > _FLAT**4
+    bodies = ((), boxes) if light else ((),)
+    singles: list[Any] = [minimize_scalar(alone, bounds=reach, args=(each,)) for each in bodies]
     plain = min(float(single.fun) for single in singles)
-    best, shape = None, (False, 0.0)
-    for light, spread, (fraction, spike) in itertools.product(boxes, (False, True), _SPIKES):
+    best, shape = None, (False, ())
+    for body_of, spread, (fraction, spike) in itertools.product(bodies, (False, True), _SPIKES):
         start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
-        found = minimize(negative, start, (spread, light), "Nelder-Mead", options={"maxiter": 600})
+        found = minimize(
+            negative, start, (spread, body_of), "Nelder-Mead", options={"maxiter": 600}
+        )
         _, height, core = _free(found.x)
         if spread and height < core:
             # No spikes, but all of the values under another distribution.
             continue
         # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
         if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
-            best, shape = found, (spread, light)
+            best, shape = found, (spread, body_of)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
     draws = curvature_draws(lambda x: negative(x, *shape), best.x, seed)
@@ -135,21 +142,46 @@ def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]
 
 
 def _densities(
-    three: tuple[float, float, float], heavy: bool, box: float, at: Float[np.ndarray, " values"]
+    three: tuple[float, float, float],
+    heavy: bool,
+    boxes: tuple[float, ...],
+    at: Float[np.ndarray, " values"],
 ):
     """Densities of the body and of the spikes of a mixture."""
     fraction, size, core = three
     wide = np.hypot(core, size)
     spike = _student(at / wide) if heavy else normal(at / wide)
-    return (1 - fraction) * _body(at / core, box) / core, fraction * spike / wide
+    return (1 - fraction) * _body(at / core, boxes) / core, fraction * spike / wide
 
 
-def _body(x: Float[np.ndarray, " values"], box: float) -> Float[np.ndarray, " values"]:
-    """Of a uniform value within `box` and a normal one together, of variance 1."""
-    if box <= _FLAT:
+def _body(
+    x: Float[np.ndarray, " values"], boxes: tuple[float, ...]
+) -> Float[np.ndarray, " values"]:
+    """Of a normal value and uniform ones within `boxes` together, of variance 1."""
+    if not boxes:
         return normal(x)
-    rest, x = np.sqrt(1 - box**2 / 3), np.abs(x)
-    return (ndtr((box - x) / rest) - ndtr((-box - x) / rest)) / (2 * box)
+    grid, logarithm = _sum_of_uniform(boxes)
+    return np.exp(np.interp(np.abs(x), grid, logarithm, right=-_FAR))
+
+
+@lru_cache
+def _sum_of_uniform(
+    boxes: tuple[float, ...],
+) -> tuple[Float[np.ndarray, " points"], Float[np.ndarray, " points"]]:
+    """The log density of a sum, which is the transform of the product of its parts' own."""
+    half = np.asarray(boxes)
+    rest = 1 - np.sum(half**2) / 3
+    step = 2 * _GRID_REACH / _GRID_POINTS
+    angular = 2 * np.pi * rfftfreq(_GRID_POINTS, step)
+    parts = np.prod(np.sinc(half[:, None] * angular / np.pi), axis=0)
+    density = np.asarray(irfft(np.exp(-rest * angular**2 / 2) * parts))[: _GRID_POINTS // 2] / step
+    known = int(np.argmax(density < _LEAST_DENSITY))
+    grid = step * np.arange(density.size)
+    logarithm = np.log(density[:known])
+    # Beyond all uniform parts the tail is that of the normal one.
+    beyond = grid[known:] - grid[known - 1]
+    tail = logarithm[-1] + beyond * (logarithm[-1] - logarithm[-2]) / step - beyond**2 / 2 / rest
+    return grid, np.concatenate([logarithm, tail])
 
 
 # Written out: SciPy's take five times as long, mostly to look at their arguments.
@@ -164,10 +196,10 @@ def _student(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
 
 
 def log_body(
-    at: Float[np.ndarray, " values"], width: float, box: float
+    at: Float[np.ndarray, " values"], width: float, boxes: tuple[float, ...]
 ) -> Float[np.ndarray, " values"]:
     """Log density of values without spikes, of standard deviation `width`."""
-    return np.log(np.maximum(_body(at / width, box), 1e-300) / width)
+    return np.log(np.maximum(_body(at / width, boxes), 1e-300) / width)
 
 
 def log_mixture(
@@ -175,7 +207,7 @@ def log_mixture(
 ) -> Float[np.ndarray, " values"]:
     """Log density of a mixture."""
     three = found.fraction, found.amplitude, found.sigma
-    return np.log(np.maximum(sum(_densities(three, found.heavy, found.box, at)), 1e-300))
+    return np.log(np.maximum(sum(_densities(three, found.heavy, found.boxes, at)), 1e-300))
 
 
 def curvature_draws(

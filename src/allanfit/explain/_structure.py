@@ -147,7 +147,8 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
-        FLAT: ((2 / samples, 0.5), (0.03, 3.0)),
+        # Flanks are seen where they are some bins apart, of which 48 make a decade.
+        FLAT: ((2 / samples, 0.5), (0.1, 3.0)),
         HIGH_PASS: ((0.5 / samples, 0.3), (0.05, 0.9)),
     }[without_droop(name)]
 
