@@ -18,6 +18,7 @@ from ..physics import EFFECTS, Sampling, parameter_unit, unit_power
 from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside
 from ._after import fit_after
+from ._averaged import averaged
 from ._compare import compared
 from ._curves import explained_curves
 from ._effect import Effect
@@ -336,7 +337,7 @@ def _explain_channel(
         replace(effect, felt=bool(drivers))
         for effect in effects_of(state, draws, state.stride * dt, seed)
     )
-    after = fit_after(fit, state, draws, seed)
+    after = fit_after(fit, state, averaged(state, draws, seed, quick=not posterior), seed)
     moved = state.all_moved
     score = held_out(
         state.spectrum,
