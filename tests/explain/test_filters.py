@@ -15,7 +15,9 @@ from scipy.signal import (
 )
 
 from allanfit.explain._investigate import investigate
-from allanfit.explain._structure import EACH, TERMS, sieve
+from allanfit.explain._leakage import leave_leakage
+from allanfit.explain._state import begin
+from allanfit.explain._structure import EACH, TERMS, WINDOWED, Kinds, free_filter, sieve
 
 SAMPLES = 30_000
 
@@ -117,5 +119,9 @@ def test_what_passes_beyond_a_notch_is_not_left_out():
     passed = lfilter(*butter(2, 0.5), rng.standard_normal(SAMPLES))
     values = lfilter(*iirnotch(0.3, 4), passed)
     power = np.array([0.0, np.var(values), 0.0, 1e-6])
-    state = investigate(values, ((0, SAMPLES),), "point", power)
+    state = begin(values, ((0, SAMPLES),), "point", power, alarm=1e-3)
+    edge = free_filter(WINDOWED, 0.14, 100.0, SAMPLES)
+    theta = np.concatenate([state.model.theta[:TERMS], edge])
+    state.model = state.model._replace(kinds=Kinds(WINDOWED), theta=theta)
+    leave_leakage(state)
     assert state.spectrum.clean(np.array([0.2, 0.24])).all()

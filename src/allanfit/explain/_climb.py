@@ -12,6 +12,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from ._ordinates import points
 from ._structure import (
     EACH,
     FLOOR,
@@ -32,6 +33,8 @@ _STEPS = 60
 # Less than this in twice the log-likelihood is as good as nothing.
 LEAST_GAIN = 1e-4
 _LONGEST_STEP = 3.0
+# Single ordinates are asked for by so many.
+_LENGTH = 1024
 
 Starts = Float[np.ndarray, "starts parameters"]
 
@@ -128,10 +131,40 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
     return _columns(gains, kinds, held), gains[2], added
 
 
+def effects_density(
+    theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
+) -> Float[np.ndarray, "slots bins"]:
+    """What each added noise puts into each bin, the bump included."""
+    _, bump, added = parts(theta[None], kinds, data, held_columns(data))
+    return np.concatenate([each * bump for each in added] or [np.zeros((0, bump.shape[1]))])
+
+
+def noise_density(
+    name: str, three: Float[np.ndarray, " three"], data: Data
+) -> Float[np.ndarray, " bins"]:
+    """What an added noise alone puts into each bin [u^2]."""
+    density = _density(name, np.asarray(three)[None], data.bins.nodes, data.samples)
+    return np.asarray(density)[0] * _left(name, data)
+
+
+def noise_at(
+    name: str,
+    three: Float[np.ndarray, " three"],
+    frequency: Float[np.ndarray, " frequencies"],
+    data: Data,
+) -> Float[np.ndarray, " frequencies"]:
+    """What an added noise puts into single ordinates [u^2], at frequencies in cycles per sample."""
+    # Lengths are filled up, so that few are compiled.
+    missing = -len(frequency) % _LENGTH
+    nodes = points(np.pad(frequency, (0, missing), mode="edge"))
+    density = np.asarray(_density(name, np.asarray(three)[None], nodes, data.samples))[0]
+    return density[: len(frequency)] * left_of(name, frequency, data.averaging)
+
+
 def _left(name: str, data: Data) -> Float[np.ndarray, " bins"]:
     if not data.averaging:
         return np.ones(len(data.bins.nodes))
-    return np.asarray(left_of(name, data.bins.nodes[:, 1], data.averaging))
+    return left_of(name, data.bins.nodes[:, 1], data.averaging)
 
 
 def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three"]:

@@ -7,12 +7,12 @@ import numpy as np
 from ..curves import allan_variance
 from ..identify import Fit
 from ..identify._curves_document import curves_document, listed
+from ._climb import effects_density
 from ._clock import logged_density
 from ._effect import Effect
 from ._means import fallen
 from ._search import mean_density
 from ._state import Investigation
-from ._structure import effects_density
 
 _BLOCKS = 360
 _LINE_POINTS = 161
@@ -96,7 +96,7 @@ def _density(fit: Fit, state: Investigation, course):
     bounds = np.sqrt(middle[1:] * middle[:-1])
     index = np.searchsorted(bounds, at)
     count = np.maximum(np.bincount(index, minlength=middle.size), 1)
-    added = np.asarray(effects_density(state.model.theta, state.model.kinds, data))
+    added = effects_density(state.model.theta, state.model.kinds, data)
     used = data.bins.used
     frequency = data.bins.frequency[used]
 
@@ -129,7 +129,7 @@ def _allan_after(sizes, after: Fit, state: Investigation, course, dt: float):
     stride = state.stride
     grid = np.geomspace(first / 30 / stride, 0.5, _GRID)
     density = logged_density(grid, stride, noise)
-    added = np.asarray(effects_density(state.model.theta, state.model.kinds, data))[:, used]
+    added = effects_density(state.model.theta, state.model.kinds, data)[:, used]
     parts = [
         logged_density(grid, stride, lambda f, each=each: np.interp(f, frequency, each))
         for each in added

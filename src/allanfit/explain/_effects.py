@@ -169,7 +169,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         else:
             if disguised:
                 # As wide as the resonance, and of its power among the samples.
-                left = np.asarray(left_of(name, first, state.data.averaging))
+                left = left_of(name, first, state.data.averaging)
                 size, second = np.sqrt(2 * left) * size, 1 / (2 * second)
                 others.pop("drifting_line", None)
             middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt

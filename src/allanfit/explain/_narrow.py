@@ -6,11 +6,12 @@ import numpy as np
 from jaxtyping import Float
 
 from . import _search
+from ._climb import effects_density, noise_at
 from ._moving import Band
-from ._ordinates import bin_edges, points
+from ._ordinates import bin_edges
 from ._search import Model
 from ._state import Investigation, rebin
-from ._structure import EACH, NARROW, Data, added_density, effects_density, left_of, shape_of
+from ._structure import EACH, NARROW, Data, shape_of
 from ._tracked import Baseband, inside, narrow_band
 
 # Bins within a width to either side of a peak that show its shape.
@@ -76,7 +77,7 @@ def beside(
 ) -> Float[np.ndarray, " _"]:
     """What the model expects of ordinates at some frequencies without a group's noises [u^2]."""
     bins = state.data.bins
-    every = np.asarray(effects_density(state.model.theta, state.model.kinds, state.data))
+    every = effects_density(state.model.theta, state.model.kinds, state.data)
     own = np.sum([every[each.place] for each in group], axis=0)
     total = _search.mean_density(state.model, state.data)
     # A difference of two that are nearly equal is still some noise.
@@ -88,13 +89,7 @@ def density_of(
     group: list[Narrow], frequency: Float[np.ndarray, " _"], data: Data
 ) -> Float[np.ndarray, " _"]:
     """What a group puts into ordinates at some frequencies [u^2]."""
-    nodes = points(frequency)
-    densities = [
-        added_density(each.name, each.three, nodes, data.samples)
-        * left_of(each.name, frequency, data.averaging)
-        for each in group
-    ]
-    return np.sum([np.asarray(density) for density in densities], axis=0)
+    return np.sum([noise_at(each.name, each.three, frequency, data) for each in group], axis=0)
 
 
 class Demodulated(NamedTuple):

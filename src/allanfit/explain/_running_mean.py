@@ -2,9 +2,10 @@
 
 from functools import lru_cache
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from scipy.optimize import brentq
 
 from ..physics import LowPass, running_mean_gain
@@ -36,18 +37,22 @@ def running_means(data: Data) -> list[tuple[float, float]]:
     def scatter(rest: Float[np.ndarray, " fast"]) -> float:
         return float(weight @ (rest - weight @ rest / weight.sum()) ** 2)
 
-    nodes = np.asarray(bins.nodes)[fast]
-    once = running_mean_gain(nodes, _TAPS[:, None, None])
-    found = []
-    for times in _TIMES:
-        expected = np.log(np.asarray(averaged(once**times)) + _LEAST)
-        found += [
-            (scatter(level - each), float(taps), float(times))
-            for taps, each in zip(_TAPS, expected, strict=True)
-        ]
+    expected = np.log(np.asarray(_expected(bins.nodes))[:, :, fast] + _LEAST)
+    found = [
+        (scatter(level - each), float(taps), float(times))
+        for times, several in zip(_TIMES, expected, strict=True)
+        for taps, each in zip(_TAPS, several, strict=True)
+    ]
     enough = scatter(level) - _WORTH
     best = [each for each in sorted(found)[:_SHORTLIST] if each[0] < enough]
     return [(cutoff_frequency(taps, times), times) for _, taps, times in best]
+
+
+@jax.jit
+def _expected(nodes: Float[Array, "bins three"]) -> Float[Array, "times taps bins"]:
+    """The gain of every running mean in each bin."""
+    once = running_mean_gain(nodes, _TAPS[:, None, None])
+    return jnp.stack([averaged(once**times) for times in _TIMES])
 
 
 def nearest_running_means(cutoff: float) -> list[tuple[float, float]]:

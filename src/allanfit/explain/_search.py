@@ -1,14 +1,12 @@
 """Which effects a spectrum asks for: what each would gain, and whether chance would as well."""
 
 import itertools
-from functools import partial
 from typing import NamedTuple
 
-import jax
 import numpy as np
 
 from ._chance import PRICE
-from ._climb import LEAST_GAIN, climb, expected_density, rescale
+from ._climb import LEAST_GAIN, climb, expected_density, noise_density, rescale
 from ._running_mean import running_means
 from ._structure import (
     ADDED,
@@ -22,7 +20,6 @@ from ._structure import (
     WINDOWED,
     Data,
     Kinds,
-    added_density,
     bounds,
     free,
     free_filter,
@@ -30,7 +27,7 @@ from ._structure import (
 )
 
 # Starts are filled up to this many, for few compilations.
-_STARTS = 8
+_STARTS = 2
 _MOST_ADDED = 3
 # Less than this in a step, and another start of the same name is ahead or soon will be.
 _ROUGH_GAIN = 0.02
@@ -230,7 +227,7 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
     starts: list[Start] = []
     for first, second in shapes:
         three = np.array([0.0, free(first, *limits[0]), free(second, *limits[1])])
-        unit = np.asarray(_density(name, three, data.bins.nodes, data.samples))
+        unit = noise_density(name, three, data)
         strongest = int(np.argmax(np.where(used, unit / mean, 0.0)))
         # As much as the data have there above the model, but no less than a weak effect has.
         seen = float(data.bins.density[strongest] / mean[strongest] - 1)
@@ -355,6 +352,3 @@ def instead(model: Model, place: int, name: str, data: Data) -> Model | None:
     bare = rescaled(without(model, place + (model.kinds.shaping is not None)), data)
     found = _compare(_added(name, _shapes(name, data, ()), bare, data), bare, data)
     return found[0].model if found else None
-
-
-_density = partial(jax.jit, static_argnums=0)(added_density)

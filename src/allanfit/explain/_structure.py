@@ -208,13 +208,13 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
 
 
-def left_of(name: str, frequency: Any, averaging: float) -> Float[Array, "*shape"]:
+def left_of(name: str, frequency: Any, averaging: float) -> Float[np.ndarray, "*shape"]:
     """What averages leave of an added noise, but for aliases; 1 of samples at an instant.
 
     A line that wanders is as large as it is among the samples.
     """
-    sinc = jnp.square(jnp.sinc(jnp.asarray(frequency)))
-    return jnp.ones_like(sinc) if name == "drifting_line" else 1 - averaging * (1 - sinc)
+    sinc = np.square(np.sinc(np.asarray(frequency)))
+    return np.ones_like(sinc) if name == "drifting_line" else 1 - averaging * (1 - sinc)
 
 
 def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
@@ -246,10 +246,6 @@ def end_leakage(frequency: Any, width: Any) -> Any:
     |H|^2/sin^2(pi f) over all frequencies, by `_ordinates.leakage` at w = 0.
     """
     return 2 * width / (jnp.pi * frequency * jnp.sin(jnp.pi * width))
-
-
-def _gains(theta: Theta, kinds: Kinds, data: Data) -> tuple[Any, Any, Any]:
-    return shaped(kinds.shaping, theta[TERMS : TERMS + EACH], data.bins.nodes, data.samples)
 
 
 def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
@@ -286,19 +282,6 @@ def _held_angle(data: Data) -> Float[np.ndarray, " bins"]:
     p, turn = 1 - 1 / data.repeat, np.exp(2j * np.pi * middle)
     powers = (p * turn / (1 - p * turn)).real
     return 2 * (1 + powers * (2 - (1 - p) ** 2 / p))
-
-
-def effects_density(theta: Theta, kinds: Kinds, data: Data) -> Float[Array, "slots bins"]:
-    """What each added noise puts into each bin, the bump included."""
-    _, _, bump = _gains(theta, kinds, data)
-    slots = theta[kinds.first_slot :].reshape(-1, EACH)
-    found = [
-        added_density(name, three, data.bins.nodes, data.samples)
-        * left_of(name, data.bins.nodes[:, 1], data.averaging)
-        * bump
-        for name, three in zip(kinds.added, slots, strict=True)
-    ]
-    return jnp.stack(found) if found else jnp.zeros((0, bump.shape[0]))
 
 
 def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:

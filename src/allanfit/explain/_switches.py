@@ -4,9 +4,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from . import _means, _search
-from ._ordinates import ordinates, points
+from ._climb import noise_at
+from ._ordinates import ordinates
 from ._state import Investigation
-from ._structure import EACH, added_density, left_of, shape_of
+from ._structure import EACH, shape_of
 from ._telegraph import Levels, two_levels
 from ._whiten import level, whitened
 
@@ -27,9 +28,8 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     total = _means.ordinate_variance(spectrum, state.model, state.data)
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
-    found = added_density("gauss_markov", three, points(thinned), state.data.samples)
-    found = found * left_of("gauss_markov", thinned, state.data.averaging)
-    signal = np.minimum(np.interp(frequency, thinned, np.asarray(found)), total)
+    found = noise_at("gauss_markov", three, thinned, state.data)
+    signal = np.minimum(np.interp(frequency, thinned, found), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
     return two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
 

@@ -1,0 +1,30 @@
+"""The checker of shapes still checks: a wrong shape fails, at the first calls of a function."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from first_calls import CALLS, checked
+from jaxtyping import Float, TypeCheckError, jaxtyped
+
+from allanfit.curves import allan_variance_deviation, unit_scale
+
+
+def test_shapes_of_the_package_are_checked():
+    with pytest.raises(TypeCheckError):
+        allan_variance_deviation(None, None)  # pyright: ignore[reportArgumentType]
+    assert unit_scale(jnp.asarray(0.01)).shape == (5,)
+
+
+@jaxtyped(typechecker=checked)
+def doubled(x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
+    return 2 * x
+
+
+def test_the_first_calls_are_checked_and_no_others():
+    flat = np.zeros((2, 2))
+    for _ in range(CALLS - 1):
+        doubled(np.zeros(2))
+    # The call that is the last to be checked.
+    with pytest.raises(TypeCheckError):
+        doubled(flat)
+    assert doubled(flat).shape == (2, 2)
