@@ -57,21 +57,20 @@ def two_levels(
     count = min(amplitude.size, max(_CORNERS * corner, 64))
     weight = (signal / total)[:count]
     series = _series(weight * amplitude[:count])
-    gain, upper, middle = _mixture(series)
     rng = np.random.default_rng(seed)
     spread = np.sqrt(total[:count])
-    null = np.array(
-        [
-            _mixture(_series(weight * spread * rng.standard_normal(count)))[0]
-            for _ in range(_SURROGATES)
-        ]
+    # A histogram of each: the series themselves may be long.
+    drawn = (
+        _often(_series(weight * spread * rng.standard_normal(count))) for _ in range(_SURROGATES)
     )
+    found = _mixture(np.stack([_often(series), *drawn]))
+    gain, null = float(found.gain[0]), found.gain[1:]
     beyond = float(np.mean(null >= gain))
     if beyond == 0:
         # A gain has an exponential tail, if of a size that the memory of the process sets.
         beyond = float(np.exp(-min(gain / null.mean(), _SURE)))
         beyond = min(1 / _SURROGATES, beyond)
-    return Levels(gain, beyond, upper, series > middle)
+    return Levels(gain, beyond, float(found.upper[0]), series > found.middle[0])
 
 
 def _series(coefficients: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " moments"]:
@@ -81,40 +80,53 @@ def _series(coefficients: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " mo
     return series / series.std()
 
 
-def _mixture(series: Float[np.ndarray, " moments"]) -> tuple[float, float, float]:
-    """Two normal distributions of one width against one.
+def _often(series: Float[np.ndarray, " moments"]) -> Float[np.ndarray, " values"]:
+    """The share of the moments at each of `_VALUES`."""
+    return np.bincount(np.searchsorted(_EDGES, series), minlength=_VALUES.size) / series.size
 
-    The gain, the share of the upper, and the middle between the two, by expectation and
-    maximization on a histogram, from several starts at once.
-    """
-    counts = np.bincount(np.searchsorted(_EDGES, series), minlength=_VALUES.size)
-    often = counts / counts.sum()
+
+class _Mixture(NamedTuple):
+    """Two normal distributions of one width in each of several histograms."""
+
+    #: Twice the gain in log likelihood over one, a sample.
+    gain: Float[np.ndarray, " histograms"]
+    #: The share of the upper, and the middle between the two.
+    upper: Float[np.ndarray, " histograms"]
+    middle: Float[np.ndarray, " histograms"]
+
+
+def _mixture(often: Float[np.ndarray, "histograms values"]) -> _Mixture:
+    """By expectation and maximization, from several starts at once."""
     mean = often @ _VALUES
-    variance = often @ (_VALUES - mean) ** 2
-    upper = _SHARES
+    variance = np.sum(often * (_VALUES - mean[:, None]) ** 2, axis=1)
+    one = _normal(mean, np.sqrt(variance))
+    # The starts are an axis from here on.
+    mean, variance, each = mean[:, None], variance[:, None], often[:, None]
+    upper = np.broadcast_to(_SHARES, (len(often), _SHARES.size))
     # Apart as two levels are that make up most of the variance.
     apart = np.sqrt(0.6 * variance / (upper * (1 - upper)))
-    low, width = mean - upper * apart, np.full(upper.size, np.sqrt(0.4 * variance))
+    low, width = mean - upper * apart, np.sqrt(0.4 * variance) + 0 * upper
     high = low + apart
     for _ in range(_ROUNDS):
-        below, above = (
-            share[:, None] * _normal(_VALUES, middle, width)
-            for share, middle in ((1 - upper, low), (upper, high))
-        )
+        below = (1 - upper)[..., None] * _normal(low, width)
+        above = upper[..., None] * _normal(high, width)
         total = np.maximum(below + above, 1e-300)
-        weight = often * above / total
-        upper = np.clip(weight.sum(axis=1), 1e-9, 1 - 1e-9)
+        weight = each * above / total
+        upper = np.clip(weight.sum(axis=-1), 1e-9, 1 - 1e-9)
         high = weight @ _VALUES / upper
         low = (mean - upper * high) / (1 - upper)
         within = variance - upper * (1 - upper) * (high - low) ** 2
         width = np.sqrt(np.maximum(within, _NARROWEST**2))
-    best = np.log(total) @ often
-    one = np.log(np.maximum(_normal(_VALUES, mean, np.sqrt(variance)), 1e-300)) @ often
-    index = int(np.argmax(best))
-    middle = float(low[index] + high[index]) / 2
-    return float(2 * (best[index] - one)), float(upper[index]), middle
+    best = np.sum(np.log(total) * each, axis=-1)
+    index = np.argmax(best, axis=1)[:, None]
+
+    def of_best(values):
+        return np.take_along_axis(values, index, axis=1)[:, 0]
+
+    gain = 2 * (of_best(best) - np.sum(np.log(np.maximum(one, 1e-300)) * often, axis=1))
+    return _Mixture(gain, of_best(upper), of_best((low + high) / 2))
 
 
-def _normal(at, middle, width):
-    middle, width = np.asarray(middle)[..., None], np.asarray(width)[..., None]
-    return normal((at - middle) / width) / width
+def _normal(middle, width):
+    """The density at `_VALUES`, an axis behind those of the middles."""
+    return normal((_VALUES - middle[..., None]) / width[..., None]) / width[..., None]
