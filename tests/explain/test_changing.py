@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.stats import binom
 
-from allanfit.explain._changing import moved_along, reshaped, swinging
+from allanfit.explain._changing import moved_along, reshaped, reshaped_at_times, swinging
 
 
 def test_a_steady_line_and_steady_noise_are_no_swing():
@@ -23,6 +23,25 @@ def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
     found = reshaped([first, tilted], *flat)
     assert found is not None
     assert found[1] < np.log(1e-6)
+
+
+def test_white_noise_beside_rising_noise_is_no_other_spectrum_however_loud():
+    """Fifty times what is quiet at the lowest frequency, a fifth of it at the highest.
+
+    Of 40 records none; the chance of one is below 1e-4. Then the same times a slope.
+    """
+    rng = np.random.default_rng(8)
+    quiet = 0.02 + 5 * np.sin(np.pi * np.arange(129) / 256) ** 2
+    loud, share = quiet + 1.0, np.repeat([1.0, 0.0], 300)
+    density = (quiet + loud) / 2
+    for slope, told in ((0.0, False), (1.6, True)):
+        tilt = 1 + slope * np.linspace(-0.5, 0.5, 129)
+        spectra = np.where(share[:, None] > 0, quiet + tilt, quiet) / density
+        found = [
+            reshaped_at_times(rng.exponential(size=spectra.shape) * spectra, share, density)
+            for _ in range(40)
+        ]
+        assert all((each is not None) == told for each in found)
 
 
 def test_a_contrast_that_stays_is_silent_and_one_that_moves_is_seen():

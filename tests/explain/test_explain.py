@@ -212,6 +212,18 @@ def test_two_resonances_differ_in_two_places(tmp_path):
         assert low < frequency < high
 
 
+def test_a_line_that_swings_as_a_sine_is_one_that_wanders(tmp_path):
+    """About 12 Hz, .3 Hz to either side in 100 s: most of the time it is where it turns."""
+    time = np.arange(SAMPLES) / RATE
+    swung = 0.3 * 100 / (2 * np.pi) * np.sin(2 * np.pi * time / 100)
+    line = 0.02 * np.cos(2 * np.pi * (12 * time + swung))
+    found = explained(tmp_path, noise(9) + line)
+    assert found["verdict"] == "explained"
+    assert [effect["name"] for effect in found["effects"]] == ["drifting_line"]
+    assert found["effects"][0]["probability"] > 0.9
+    assert any("does not wander as the model has it" in sentence for sentence in found["advice"])
+
+
 def test_the_square_of_temperature_is_told(tmp_path):
     """A room that swings by 2 K: bias of 0.01 K^-2 of its square, in deg/s, and none of itself."""
     time = np.arange(SAMPLES) / RATE

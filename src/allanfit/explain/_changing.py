@@ -72,11 +72,16 @@ def reshaped(
         return None
     mean, variance, count, low = mean[:, kept], variance[:, kept], count[kept], low[kept]
     middle = np.sqrt(low * (low + count - 1)) / TILE
-    usual = np.average(mean, axis=0, weights=[len(group) for group in groups])
     # Whitened by their mean, white noise that is added weighs as one over the density there.
     weight = 1 / np.interp(middle, frequency, variance_there)
-    difference = mean - usual
-    variance = np.maximum(variance, mean**2 / count / np.array([[len(g)] for g in groups]))
+    tiles_in = np.array([[len(group)] for group in groups])
+    variance = np.maximum(variance, mean**2 / count / tiles_in)
+    if len(groups) == 2:
+        # One may be many times as strong, and less well known: it is measured by the other alone.
+        difference, variance = mean[:1] - mean[1:], variance.sum(axis=0, keepdims=True)
+        mean = mean[:1]
+    else:
+        difference = mean - np.average(mean, axis=0, weights=tiles_in[:, 0])
     added = np.sum(difference * weight / variance, axis=1) / np.sum(weight**2 / variance, axis=1)
     rest = difference - added[:, None] * weight
     misfit = float(np.sum(rest**2 / variance))

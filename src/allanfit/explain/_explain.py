@@ -6,13 +6,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from ..curves import unit_scale
 from ..identify import ChannelFit, Fit, fit_series
-from ..identify._goodness import goodness_of_fit
 from ..identify._recording_fit import channel_header, coefficients_document, recording_document
 from ..physics import EFFECTS, Sampling, parameter_unit, unit_power
 from ..recording import Channel, Recording, RecordingError
@@ -26,19 +24,19 @@ from ._effects import effects_of
 from ._harmonics import Family, Line, families
 from ._held_out import HeldOut, held_out
 from ._investigate import ALARM, investigate
+from ._misfit import MISFIT, goodness
 from ._mismatch import mismatches
 from ._posterior import sample_structure
 from ._references import Reference, references, terms_of
 from ._state import Investigation
-from ._structure import NARROW, active
+from ._structure import NARROW
 from ._words import effect_sentence, family_sentence
 
 SCHEMA = "allanfit.explain/1"
 # Chance of a false alarm in a recording with nothing left out.
 _FALSE_ALARM = 0.01
-# A better model as unlikely as this is wrong in something, and of what is named in its spectrum
-# about half is not there.
-_MISFIT, _DOUBTED = 1e-4, 0.5
+# Of what is named in the spectrum of a better model that does not fit about half is not there.
+_DOUBTED = 0.5
 # Samples of the longest stretch, at least: of fewer no spectrum of its own can be made white.
 _SHORTEST = 64
 # What values and time stamps tell, whatever the model of the noise is.
@@ -56,6 +54,8 @@ class ChannelExplanation:
     effects: tuple[Effect, ...]
     held_out: HeldOut | None
     p_value_after: float | None
+    #: Whether that leaves out the bands of lines that wander.
+    lines_apart: bool = False
     reference: Reference | None = None
     #: Where the simulation that it is compared with differs from its own five terms.
     simulated: tuple[dict[str, Any], ...] = ()
@@ -89,7 +89,7 @@ class ChannelExplanation:
     @property
     def misfit(self) -> bool:
         """Whether the better model does not fit either."""
-        return self.p_value_after is not None and self.p_value_after < _MISFIT
+        return self.p_value_after is not None and self.p_value_after < MISFIT
 
     @property
     def false_alarm_probability(self) -> float:
@@ -141,6 +141,11 @@ class ChannelExplanation:
             said.append(
                 "The better model does not fit either: something is left out or wrongly named, and "
                 "its effects, and N, B and K after naming, are doubtful."
+            )
+        elif self.lines_apart:
+            said.append(
+                "The line does not wander as the model has it, normally distributed: its power and "
+                "band hold, the shape of its peak does not, and the p-value is of all beside it."
             )
         if self.verdict == "unexplained":
             said.append(
@@ -349,13 +354,10 @@ def _explain_channel(
         state.variance,
         seed,
     ).joined(state.gains.values())
-    fitted = int(active(state.model.kinds, state.data.terms).sum()) + moved.shape[1]
-    chance = goodness_of_fit(
-        jnp.asarray(state.model.deviance),
-        jnp.asarray(state.data.bins.shape),
-        jnp.asarray(float(fitted)),
+    fits = goodness(state, moved.shape[1])
+    found = ChannelExplanation(
+        channel, fit, after, state, effects, score, _finite(fits.p_value), fits.apart
     )
-    found = ChannelExplanation(channel, fit, after, state, effects, score, _finite(chance))
     return replace(found, effects=_doubted(effects)) if found.misfit else found
 
 
