@@ -50,7 +50,8 @@ def goodness(state: Investigation, courses: int) -> Goodness:
     mean = expected_density(state.model.theta, state.model.kinds, state.data)
     ratio = np.where(beside > 0, np.asarray(state.data.bins.density) / mean, 1.0)
     deviance = float(np.sum(2 * beside * (ratio - 1 - np.log(ratio))))
-    return Goodness(_p_value(deviance, beside, fitted - EACH * len(lines)), apart=True)
+    rest = _p_value(deviance, beside, fitted - EACH * len(lines))
+    return Goodness(whole) if rest < MISFIT else Goodness(rest, apart=True)
 
 
 def _p_value(deviance: float, shape: Float[np.ndarray, " bins"], fitted: int) -> float:

@@ -15,7 +15,7 @@ from ._structure import Data
 #: Of more samples, bins are wider than what lies between two zeros.
 _TAPS = np.arange(2, 41)
 _TIMES = (1, 2, 3, 4)
-# As many as climb together.
+# As many are fitted.
 _SHORTLIST = 8
 # Slower noise is not white [cycles per sample].
 _FAST = 0.005
