@@ -9,7 +9,9 @@ from jaxtyping import Float, TypeCheckError, jaxtyped
 from allanfit.curves import allan_variance_deviation, unit_scale
 
 
-def test_shapes_of_the_package_are_checked():
+def test_shapes_of_the_package_are_checked(monkeypatch):
+    # Tests before this one may have called it often enough.
+    monkeypatch.delattr(allan_variance_deviation, "__no_type_check__", raising=False)
     with pytest.raises(TypeCheckError):
         allan_variance_deviation(None, None)  # pyright: ignore[reportArgumentType]
     assert unit_scale(jnp.asarray(0.01)).shape == (5,)

@@ -124,10 +124,7 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
     """
     gains, _ = _shape(theta, kinds, data, slopes=False)
     slots = _slots(theta, kinds)
-    added = [
-        np.asarray(_density(name, slots[:, i], data.bins.nodes, data.samples)) * _left(name, data)
-        for i, name in enumerate(kinds.added)
-    ]
+    added = [noise_density(name, slots[:, i], data) for i, name in enumerate(kinds.added)]
     return _columns(gains, kinds, held), gains[2], added
 
 
@@ -140,11 +137,18 @@ def effects_density(
 
 
 def noise_density(
-    name: str, three: Float[np.ndarray, " three"], data: Data
-) -> Float[np.ndarray, " bins"]:
+    name: str, threes: Float[np.ndarray, "starts three"], data: Data
+) -> Float[np.ndarray, "starts bins"]:
     """What an added noise alone puts into each bin [u^2]."""
-    density = _density(name, np.asarray(three)[None], data.bins.nodes, data.samples)
-    return np.asarray(density)[0] * _left(name, data)
+    return np.asarray(_density(name, threes, data.bins.nodes, data.samples)) * _left(name, data)
+
+
+def deviances(mean: Float[np.ndarray, "starts bins"], data: Data) -> Float[np.ndarray, " starts"]:
+    """Twice the log-likelihood that each mean density leaves to a perfect fit."""
+    with np.errstate(all="ignore"):
+        excess = np.asarray(data.bins.density) / mean - 1
+        value = np.sum(2 * np.asarray(data.bins.shape) * (excess - np.log1p(excess)), axis=1)
+    return np.where(np.isfinite(value), value, np.inf)
 
 
 def noise_at(
@@ -236,14 +240,7 @@ def _ascend(
 ):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
     density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
-
-    def deviance(total):
-        with np.errstate(all="ignore"):
-            excess = density / total - 1
-            value = np.sum(2 * shape * (excess - np.log1p(excess)), axis=1)
-        return np.where(np.isfinite(value), value, np.inf)
-
-    value = deviance(mean(theta))
+    value = deviances(mean(theta), data)
     damping = np.full(len(theta), 1e-2) if damping is None else damping
     still = np.ones(len(theta), bool)
     identity = np.eye(theta.shape[1])
@@ -268,7 +265,7 @@ def _ascend(
             weight = (factor * damping[:, None] * scale + ~moving)[..., None] * identity
             step = np.linalg.solve(normal + weight, gradient[..., None])[..., 0]
             tried = theta + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
-            reached = deviance(mean(tried))
+            reached = deviances(mean(tried), data)
             better = (reached < value) & ~moved & still
             with np.errstate(invalid="ignore"):
                 gained = np.where(better, value - reached, 0.0)

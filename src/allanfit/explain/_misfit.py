@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..identify._goodness import goodness_of_fit
-from ._climb import expected_density
+from ._climb import deviances, expected_density
 from ._narrow import narrow_noises
 from ._state import Investigation
 from ._structure import EACH, active
@@ -48,9 +48,8 @@ def goodness(state: Investigation, courses: int) -> Goodness:
     near = np.any([np.abs(frequency - one.middle) < _BAND * one.width for one in lines], axis=0)
     beside = np.where(near, 0.0, shape)
     mean = expected_density(state.model.theta, state.model.kinds, state.data)
-    ratio = np.where(beside > 0, np.asarray(state.data.bins.density) / mean, 1.0)
-    deviance = float(np.sum(2 * beside * (ratio - 1 - np.log(ratio))))
-    rest = _p_value(deviance, beside, fitted - EACH * len(lines))
+    data = state.data._replace(bins=state.data.bins._replace(shape=beside))
+    rest = _p_value(float(deviances(mean[None], data)[0]), beside, fitted - EACH * len(lines))
     return Goodness(whole) if rest < MISFIT else Goodness(rest, apart=True)
 
 

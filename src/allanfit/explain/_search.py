@@ -227,7 +227,7 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
     starts: list[Start] = []
     for first, second in shapes:
         three = np.array([0.0, free(first, *limits[0]), free(second, *limits[1])])
-        unit = noise_density(name, three, data)
+        unit = noise_density(name, three[None], data)[0]
         strongest = int(np.argmax(np.where(used, unit / mean, 0.0)))
         # As much as the data have there above the model, but no less than a weak effect has.
         seen = float(data.bins.density[strongest] / mean[strongest] - 1)

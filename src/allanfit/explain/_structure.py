@@ -54,8 +54,6 @@ FLOOR = -60.0
 # The mean of two squared normal variates is above the exponential of this once in a hundred times.
 _TWO_ENDS = 1.6
 
-Theta = Float[Array, " parameters"] | Float[np.ndarray, " parameters"]
-
 
 class Kinds(NamedTuple):
     """What a structure holds.

@@ -105,7 +105,7 @@ def _mixture(often: Float[np.ndarray, "histograms values"]) -> _Mixture:
     upper = np.broadcast_to(_SHARES, (len(often), _SHARES.size))
     # Apart as two levels are that make up most of the variance.
     apart = np.sqrt(0.6 * variance / (upper * (1 - upper)))
-    low, width = mean - upper * apart, np.sqrt(0.4 * variance) + 0 * upper
+    low, width = mean - upper * apart, np.broadcast_to(np.sqrt(0.4 * variance), upper.shape)
     high = low + apart
     for _ in range(_ROUNDS):
         below = (1 - upper)[..., None] * _normal(low, width)
