@@ -17,13 +17,15 @@ added without their small correlations.
 The numbers are constants of a model, not functions of the data: they are computed in NumPy.
 """
 
+from functools import partial
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..physics import NoiseModel
+from ..physics import NoiseModel, Sampling
 from ._design import Design
 
 _CLUSTERS = 64
@@ -154,8 +156,14 @@ def _mode_variance(
     model: NoiseModel, design: Design, order: np.ndarray, length: int
 ) -> Float[np.ndarray, " modes"]:
     """Variance of cosine coefficients: an ordinate is twice their square."""
-    frequency = jnp.asarray(order / (2 * length))
-    return np.asarray(model.density(frequency, 1.0, design.sampling)) / 2
+    return np.asarray(_density(model, order / (2 * length), design.sampling)) / 2
+
+
+@partial(jax.jit, static_argnames="sampling")
+def _density(
+    model: NoiseModel, frequency: Float[Array, " modes"], sampling: Sampling
+) -> Float[Array, " modes"]:
+    return model.density(frequency, 1.0, sampling)
 
 
 def _diagonal(order: np.ndarray, sizes: np.ndarray, length: int) -> np.ndarray:

@@ -170,7 +170,7 @@ def expected_allan(
 ) -> Float[np.ndarray, "sizes terms"]:
     """Allan variances per unit power of Q, N, B, K and R; under x64."""
     columns = [
-        np.asarray(_allan_variance(term, sampling, jnp.asarray(sizes, float)))
+        np.asarray(_allan_variance(unit_term(term), sampling, jnp.asarray(sizes, float)))
         for term in (*NOISE_TERMS, RateRamp)
     ]
     return np.stack(columns, axis=-1)
@@ -191,36 +191,38 @@ def expected_ordinates(
     """
     padded = np.pad(frequency, (0, -len(frequency) % _CHUNK), constant_values=0.25)
     chunks = [
-        np.asarray(_density(term, sampling, jnp.asarray(chunk)))
+        np.asarray(_density(unit_term(term), sampling, jnp.asarray(chunk)))
         for chunk in padded.reshape(-1, _CHUNK)
     ]
     expected = np.concatenate(chunks)[: len(frequency)]
     if not low_modes:
         return expected
-    low = np.asarray(_low_mode_ratio(term, jnp.asarray(samples)))
+    order = np.arange(1.0, _LOW_MODES + 1)
+    low = np.asarray(_low_mode_ratio(unit_term(term), order, jnp.asarray(samples)))
     expected[:_LOW_MODES] *= low[: len(expected)]
     return expected
 
 
-@partial(jax.jit, static_argnums=(0, 1))
+# Terms and orders are arguments: constants would be computed one operation at a time here.
+@partial(jax.jit, static_argnums=1)
 def _density(
-    term: type[AbstractNoiseTerm], sampling: Sampling, frequency: Float[Array, " chunk"]
+    term: AbstractNoiseTerm, sampling: Sampling, frequency: Float[Array, " chunk"]
 ) -> Float[Array, " chunk"]:
-    return unit_term(term).density(frequency, 1.0, sampling)
+    return term.density(frequency, 1.0, sampling)
 
 
-@partial(jax.jit, static_argnums=0)
+@jax.jit
 def _low_mode_ratio(
-    term: type[AbstractNoiseTerm], samples: Int[Array, ""]
+    term: AbstractNoiseTerm, order: Float[Array, " modes"], samples: Int[Array, ""]
 ) -> Float[Array, " modes"]:
-    return unit_term(term).low_mode_ratio(jnp.arange(1.0, _LOW_MODES + 1), samples)
+    return term.low_mode_ratio(order, samples)
 
 
-@partial(jax.jit, static_argnums=(0, 1))
+@partial(jax.jit, static_argnums=1)
 def _allan_variance(
-    term: type[AbstractNoiseTerm], sampling: Sampling, sizes: Float[Array, " sizes"]
+    term: AbstractNoiseTerm, sampling: Sampling, sizes: Float[Array, " sizes"]
 ) -> Float[Array, " sizes"]:
-    return unit_term(term).allan_variance(sizes, 1.0, sampling)
+    return term.allan_variance(sizes, 1.0, sampling)
 
 
 def unit_term(term: type[AbstractNoiseTerm]) -> AbstractNoiseTerm:

@@ -5,6 +5,7 @@ compiled once an effect. The loop around them is on the host: compiled, it would
 anew for every structure, which takes longer than all its steps.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -35,6 +36,9 @@ LEAST_GAIN = 1e-4
 _LONGEST_STEP = 3.0
 # Single ordinates are asked for by so many.
 _LENGTH = 1024
+# Starts that climb together: eight wait for the last, and one would be as slow as two, and
+# compiled as well.
+TOGETHER = 2
 
 Starts = Float[np.ndarray, "starts parameters"]
 
@@ -113,8 +117,8 @@ def filter_slopes(
     shaping: str, three: Float[np.ndarray, " three"], nodes: Any, samples: Any
 ) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, "bins three"]]:
     """The gain of a filter on white noise, aliases included, and its derivatives."""
-    slopes, gains = _gain_slopes(shaping, three[None], nodes, samples)
-    return np.asarray(gains[0])[0], np.asarray(slopes[0])[0]
+    slopes, gains = _evaluated(_gain_slopes, shaping, three[None], nodes, samples)
+    return gains[0][0], slopes[0][0]
 
 
 def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins terms"]):
@@ -140,7 +144,7 @@ def noise_density(
     name: str, threes: Float[np.ndarray, "starts three"], data: Data
 ) -> Float[np.ndarray, "starts bins"]:
     """What an added noise alone puts into each bin [u^2]."""
-    return np.asarray(_density(name, threes, data.bins.nodes, data.samples)) * _left(name, data)
+    return _evaluated(_density, name, threes, data.bins.nodes, data.samples) * _left(name, data)
 
 
 def deviances(mean: Float[np.ndarray, "starts bins"], data: Data) -> Float[np.ndarray, " starts"]:
@@ -161,7 +165,7 @@ def noise_at(
     # Lengths are filled up, so that few are compiled.
     missing = -len(frequency) % _LENGTH
     nodes = points(np.pad(frequency, (0, missing), mode="edge"))
-    density = np.asarray(_density(name, np.asarray(three)[None], nodes, data.samples))[0]
+    density = _evaluated(_density, name, np.asarray(three)[None], nodes, data.samples)[0]
     return density[: len(frequency)] * left_of(name, frequency, data.averaging)
 
 
@@ -192,10 +196,9 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
     # Of whole numbers there is nothing to climb along.
     if not slopes or kinds.shaping == RUNNING_MEAN:
-        gains = tuple(np.asarray(each) for each in _gains(*asked))
+        gains = _evaluated(_gains, *asked)
         return gains, tuple(np.zeros((*each.shape, EACH)) for each in gains)
-    found = _gain_slopes(*asked)
-    derivatives, gains = (tuple(np.asarray(each) for each in some) for some in found)
+    derivatives, gains = _evaluated(_gain_slopes, *asked)
     return gains, derivatives
 
 
@@ -206,8 +209,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
         gains, gain_slopes = _shape(theta, kinds, data, slopes=True)
         columns, bump, added = _columns(gains, kinds, held), gains[2], []
         for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
-            found = _density_slopes(name, three, data.bins.nodes, data.samples)
-            slope, density = (np.asarray(each) for each in found)
+            slope, density = _evaluated(_density_slopes, name, three, data.bins.nodes, data.samples)
             left = _left(name, data)
             added_slopes.append(slope * left[:, None])
             added.append(density * left)
@@ -281,6 +283,14 @@ def _ascend(
         if not still.any():
             break
     return theta, value
+
+
+def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: Any, samples: Any):
+    """What a program gives for all starts, as NumPy arrays."""
+    # A single one is a pair of itself; walkers of a posterior come in many, always as many.
+    filled = np.concatenate([threes, threes]) if len(threes) == 1 else threes
+    found = program(name, filled, nodes, samples)
+    return jax.tree.map(lambda each: np.asarray(each)[: len(threes)], found)
 
 
 @partial(jax.jit, static_argnums=0)

@@ -10,9 +10,9 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
-import jax.numpy as jnp
+import jax
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Array, Float, Int
 from scipy.signal import find_peaks
 
 from ..physics import SampleHold
@@ -135,8 +135,7 @@ def logged_density(
     if stride == 1:
         return fresh(frequency)
     # What white noise comes to.
-    held = SampleHold(jnp.asarray(stride), regular=True)
-    left = np.asarray(held.gain(jnp.asarray(frequency), 1.0))
+    left = np.array(_white_gain(stride, frequency))
     total = np.zeros_like(frequency)
     for order in range(-_ORDERS, _ORDERS + 1):
         turns = stride * (frequency + order)
@@ -144,6 +143,13 @@ def logged_density(
         total += weight * fresh(np.abs(turns - np.round(turns)))
         left = left - weight
     return total + np.maximum(left, 0.0) * fresh(np.full(frequency.shape, 0.25))
+
+
+@jax.jit
+def _white_gain(
+    stride: Float[Array, ""], frequency: Float[Array, " frequencies"]
+) -> Float[Array, " frequencies"]:
+    return SampleHold(stride, regular=True).gain(frequency, 1.0)
 
 
 def _slots(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._chance import PRICE
-from ._climb import LEAST_GAIN, climb, expected_density, noise_density, rescale
+from ._climb import LEAST_GAIN, TOGETHER, climb, expected_density, noise_density, rescale
 from ._running_mean import running_means
 from ._structure import (
     ADDED,
@@ -26,8 +26,6 @@ from ._structure import (
     shape_of,
 )
 
-# Starts are filled up to this many, for few compilations.
-_STARTS = 2
 _MOST_ADDED = 3
 # Less than this in a step, and another start of the same name is ahead or soon will be.
 _ROUGH_GAIN = 0.02
@@ -87,17 +85,14 @@ def best(
     while begin < len(starts):
         kinds = starts[begin][0]
         stop = begin + 1
-        while stop < min(len(starts), begin + _STARTS) and starts[stop][0] == kinds:
+        while stop < min(len(starts), begin + TOGETHER) and starts[stop][0] == kinds:
             stop += 1
         group = np.stack([theta for _, theta in starts[begin:stop]])
         group[:, :TERMS] = np.maximum(group[:, :TERMS], least)
-        # A few sizes of groups are all that is ever compiled.
-        count = 1 if len(group) == 1 else _STARTS
-        filled = np.concatenate([group, np.repeat(group[-1:], count - len(group), axis=0)])
-        thetas, deviances = climb(filled, kinds, data, least_gain)
+        thetas, deviances = climb(group, kinds, data, least_gain)
         found += [
             Model(kinds, theta, float(deviance) if np.isfinite(deviance) else np.inf)
-            for theta, deviance in zip(thetas[: len(group)], deviances[: len(group)], strict=True)
+            for theta, deviance in zip(thetas, deviances, strict=True)
         ]
         begin = stop
     return found

@@ -1,14 +1,15 @@
 """Both curves of a fit as plain data: points, bands and what each term puts into them."""
 
+from functools import partial
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 from scipy.stats import chi2
 
 from ..curves import allan_variance_deviation, unit_scale
-from ..physics import SYMBOLS, NoiseModel, standard_model
+from ..physics import SYMBOLS, NoiseModel, Sampling, standard_model
 from ._fit import Fit
 
 
@@ -34,21 +35,25 @@ def curves_document(fit: Fit, factor: float) -> dict[str, Any]:
 
 def _allan(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, Any]:
     sizes = np.asarray(fit.design.cluster_sizes, float)
+    expected = _allan_variances(model, sizes, fit.design.sampling)
+    mean = np.sum(list(expected.values()), axis=0)
     found = np.asarray(fit.estimate.statistics.allan, float) / factor**2
-    mean = np.asarray(model.allan_variance(jnp.asarray(sizes), 1.0, fit.design.sampling))
     spread = np.asarray(allan_variance_deviation(model, fit.design))
-    terms = {
-        term.symbol: np.asarray(term.allan_variance(jnp.asarray(sizes), 1.0, fit.design.sampling))
-        for term in model.terms
-    }
     low, high = _band(found, 2 * (mean / spread) ** 2)
     return {
         "tau_s": (sizes * dt).tolist(),
         "deviation": listed(np.sqrt(found)),
         "model": listed(np.sqrt(mean) / factor),
         "band_95": [listed(np.sqrt(low)), listed(np.sqrt(high))],
-        "terms": {symbol: listed(np.sqrt(terms[symbol]) / factor) for symbol in SYMBOLS},
+        "terms": {symbol: listed(np.sqrt(expected[symbol]) / factor) for symbol in SYMBOLS},
     }
+
+
+@partial(jax.jit, static_argnames="sampling")
+def _allan_variances(
+    model: NoiseModel, sizes: Float[Array, " sizes"], sampling: Sampling
+) -> dict[str, Float[Array, " sizes"]]:
+    return {term.symbol: term.allan_variance(sizes, 1.0, sampling) for term in model.terms}
 
 
 def _psd(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, Any]:

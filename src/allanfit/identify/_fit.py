@@ -36,7 +36,8 @@ class Fit(eqx.Module):
         interval allows for what noise there may be.
         """
         least_squares = jnp.abs(self.estimate.least_squares)
-        shift = jax.lax.stop_gradient(self._median() - least_squares)
+        medians = _medians(self.estimate.draws, self.estimate.resolved)
+        shift = jax.lax.stop_gradient(medians - least_squares)
         return _by_symbol(least_squares + shift)
 
     @property
@@ -57,7 +58,7 @@ class Fit(eqx.Module):
     @property
     def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
         """One-sided 95 % limits."""
-        (limits,) = self._quantiles(0.95)
+        (limits,) = _quantiles(self.estimate.draws, 0.95)
         return _by_symbol(limits)
 
     @property
@@ -73,7 +74,7 @@ class Fit(eqx.Module):
     def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
         """Equal-tailed intervals; those of unresolved terms are extended down to zero."""
         tail = (1 - probability) / 2
-        low, high = self._quantiles(tail, 1 - tail)
+        low, high = _quantiles(self.estimate.draws, tail, 1 - tail)
         low = jnp.where(self.estimate.resolved, low, 0.0)
         return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
@@ -107,28 +108,6 @@ class Fit(eqx.Module):
         """The same fit with another sampler's draws behind its intervals."""
         dtype = self.estimate.draws.dtype
         return eqx.tree_at(lambda fit: fit.estimate.draws, self, jnp.asarray(draws, dtype))
-
-    def _median(self) -> Float[Array, "*sensors terms"]:
-        draws, q = jnp.abs(self.estimate.draws), SYMBOLS.index("Q")
-        (middle,) = self._quantiles(0.5)
-        smaller = draws[..., q] <= middle[..., q, None]
-        used = (self.estimate.resolved[..., q, None] | smaller)[..., None]
-        ordered = _ordered(jnp.where(used, draws, jnp.inf))
-        last = jnp.sum(used, axis=-2, keepdims=True) - 1
-        below = jnp.take_along_axis(ordered, last // 2, axis=-2)
-        above = jnp.take_along_axis(ordered, (last + 1) // 2, axis=-2)
-        return ((below + above) / 2)[..., 0, :].at[..., q].set(middle[..., q])
-
-    def _quantiles(self, *probabilities: float) -> list[Float[Array, "*sensors terms"]]:
-        # The ramp's sign says which way the mean drifts, its size how much.
-        ordered = _ordered(jnp.abs(self.estimate.draws))
-        found = []
-        for probability in probabilities:
-            below, part = divmod(probability * (ordered.shape[-2] - 1), 1)
-            above = min(int(below) + 1, ordered.shape[-2] - 1)
-            low, high = ordered[..., int(below), :], ordered[..., above, :]
-            found.append(low + part * (high - low))
-        return found
 
 
 def fit_series(
@@ -181,6 +160,35 @@ def check_lengths(lengths: tuple[int, ...]) -> None:
         )
 
 
+@jax.jit
+def _medians(
+    draws: Float[Array, "*sensors draws terms"], resolved: Bool[Array, "*sensors terms"]
+) -> Float[Array, "*sensors terms"]:
+    (middle,), draws, q = _quantiles(draws, 0.5), jnp.abs(draws), SYMBOLS.index("Q")
+    smaller = draws[..., q] <= middle[..., q, None]
+    used = (resolved[..., q, None] | smaller)[..., None]
+    ordered = _ordered(jnp.where(used, draws, jnp.inf))
+    last = jnp.sum(used, axis=-2, keepdims=True) - 1
+    below = jnp.take_along_axis(ordered, last // 2, axis=-2)
+    above = jnp.take_along_axis(ordered, (last + 1) // 2, axis=-2)
+    return ((below + above) / 2)[..., 0, :].at[..., q].set(middle[..., q])
+
+
+def _quantiles(
+    draws: Float[Array, "*sensors draws terms"], *probabilities: float
+) -> list[Float[Array, "*sensors terms"]]:
+    # The ramp's sign says which way the mean drifts, its size how much.
+    ordered = _ordered(jnp.abs(draws))
+    found = []
+    for probability in probabilities:
+        below, part = divmod(probability * (ordered.shape[-2] - 1), 1)
+        above = min(int(below) + 1, ordered.shape[-2] - 1)
+        low, high = ordered[..., int(below), :], ordered[..., above, :]
+        found.append(low + part * (high - low))
+    return found
+
+
+@jax.jit
 def _ordered(draws: Float[Array, "*sensors draws terms"]) -> Float[Array, "*sensors draws terms"]:
     """Non-negative draws in rising order, NaN last.
 

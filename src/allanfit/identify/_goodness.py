@@ -13,6 +13,7 @@ MISFIT = 0.01
 _LARGE = 30.0
 
 
+@jax.jit
 def goodness_of_fit(
     deviance: Float[Array, ""], shape: Float[Array, " bins"], fitted: Float[Array, ""]
 ) -> Float[Array, ""]:

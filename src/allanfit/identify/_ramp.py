@@ -51,6 +51,7 @@ def ramp_posterior(data: RampData, power: Powers) -> tuple[Float[Array, ""], Flo
     return jnp.sum(weight * data.odd_modes) / information, information**-0.5
 
 
+@jax.jit
 def draw_ramps(
     key: PRNGKeyArray, data: RampData, powers: Float[Array, "draws terms"]
 ) -> tuple[Float[Array, " draws"], Float[Array, ""]]:
