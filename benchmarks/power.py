@@ -12,7 +12,7 @@ fewer places to look in or more false alarms would reach it.
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 from scipy.stats import ncx2
 
 from allanfit.explain._chance import _SMOOTH, course_log_chance, log_chance
@@ -26,7 +26,8 @@ STRENGTHS = (12.0, 25.0, 36.0, 50.0, 64.0, 100.0)
 
 def threshold(log_p: Callable[[float], float], alarm: float = ALARM) -> float:
     """The gain that chance reaches as rarely as the alarm."""
-    return float(brentq(lambda gain: log_p(gain) - np.log(alarm), 1.0, 400.0))
+    found = root_scalar(lambda gain: log_p(gain) - np.log(alarm), bracket=(1.0, 400.0))
+    return float(found.root)
 
 
 def effects() -> dict[str, tuple[float, int]]:
@@ -42,7 +43,7 @@ def effects() -> dict[str, tuple[float, int]]:
         2,
     )
     found["temperature, measured"] = (threshold(lambda gain: course_log_chance(gain, 1, KNOWN)), 1)
-    # A ring of unknown place, frequency and damping: as many places as samples, times a few of each.
+    # A ring of unknown place, frequency and damping: some thirty of these at every sample.
     found["disturbance"] = (
         threshold(lambda gain: course_log_chance(gain, 2, KNOWN, places=30.0 * SAMPLES)),
         2,
