@@ -20,6 +20,8 @@ _SMOOTH = {
 #: for in the comparison of rivals.
 PRICE = float(np.log(200))
 _SIZE_PRICE = 3.2
+#: Twice the log of the prior odds that a cause is in the catalogue: nineteen of twenty are.
+INSIDE = 2 * float(np.log(19))
 # Below this much gain tails are looked up, above it expanded.
 _FAR = 600.0
 

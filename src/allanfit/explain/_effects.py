@@ -13,7 +13,7 @@ from ._intervals import runs
 from ._lasting import USUAL
 from ._line_parts import merged
 from ._posterior import Draws
-from ._state import Finding, Investigation
+from ._state import Finding, Investigation, Unknown
 from ._structure import (
     DROOPING,
     EACH,
@@ -27,7 +27,6 @@ from ._structure import (
     sieve,
 )
 from ._switches import levels_of
-from ._unknown import Unknown
 
 # A slow oscillation of such a period is more likely a room's temperature than anything else.
 _ROOM_PERIOD_S = 240.0

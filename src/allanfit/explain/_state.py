@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import compress, pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -56,6 +56,23 @@ class Finding:
     detail: Any = None
 
 
+class Unknown(NamedTuple):
+    """Something without a name: where, how large, and why what describes it best is not it."""
+
+    #: The middle [cycles per sample] and the width in e-folds.
+    frequency: float
+    width: float
+    why: str
+    #: Its period [samples], if it has one.
+    period: float = 0.0
+    #: Whether it shows in time alone.
+    in_time: bool = False
+    #: What makes such things.
+    like: str = ""
+    #: When, as `[start, stop)` in values, if not always.
+    times: tuple[tuple[int, int], ...] = ()
+
+
 @dataclass
 class Investigation:
     """The state of knowledge of one channel."""
@@ -106,7 +123,7 @@ class Investigation:
     unexplained: Candidate | None = None
     #: What has no name, and the names, the model's added noises by their place, and the lines
     #: [cycles per sample] that are not what they seem.
-    unknown: list[Any] = field(default_factory=list)
+    unknown: list[Unknown] = field(default_factory=list)
     disowned: set[str] = field(default_factory=set)
     disowned_noises: set[int] = field(default_factory=set)
     disowned_lines: list[float] = field(default_factory=list)
