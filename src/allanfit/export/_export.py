@@ -8,6 +8,7 @@ from ..report._format import printable
 from ._doubts import no_white_noise
 from ._errors import ExportError
 from ._exported import Exported
+from ._held import at_low_frequency
 from ._imu_error_model import imu_error_model
 from ._kalibr import kalibr
 from ._kalman import kalman
@@ -34,8 +35,8 @@ _USED: dict[str, set[str]] = {
     "yaml": set(),
     "imu-error-model": {"axes", "band_s", "walk"},
 }
-# Coefficients as they were found are of use whatever was resolved.
-_ANY_FIT = {"yaml"}
+# Coefficients as they were found, which are of use whatever was resolved.
+_AS_FOUND = {"yaml"}
 
 
 def export(
@@ -65,10 +66,12 @@ def export(
         raise ExportError(f"The format {target!r} is not known; known are {', '.join(FORMATS)}.")
     options = options or Options()
     found = read_fit(fit, channels)
-    if target not in _ANY_FIT:
+    held: list[str] = []
+    if target not in _AS_FOUND:
         _refuse_without_white_noise(found)
+        found, held = at_low_frequency(found)
     exported = writer(found, options)
-    warnings = [*exported.warnings, *_without_effect(target, options)]
+    warnings = [*exported.warnings, *held, *_without_effect(target, options)]
     return Exported(exported.text, [printable(each) for each in warnings])
 
 

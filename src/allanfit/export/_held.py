@@ -1,0 +1,38 @@
+"""N of a sensor whose values are repeated in the log, as a filter meets it."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+
+from ..physics import SampleHold
+from ..report._format import significant
+from ._read import FitChannel, FitFile
+
+
+def at_low_frequency(fit: FitFile) -> tuple[FitFile, list[str]]:
+    """The fit with N of held values as they reach a filter, and a sentence for each such channel.
+
+    Explain tells N of the fresh values at the rate of the log. Each of them counts `repeat` times
+    for a filter that takes every sample, and one that takes fresh values alone has fewer of them:
+    for both the density at low frequency is the gain of the hold at zero times as large.
+    """
+    channels, said = [], []
+    for channel in fit.channels:
+        held = [effect for effect in channel.effects if isinstance(effect, SampleHold)]
+        if held:
+            factor = float(held[0].gain(jnp.zeros(()), channel.dt)) ** 0.5
+            channels.append(_louder(channel, factor))
+            said.append(
+                f"N of {channel.name} is {significant(factor)} times that of the fresh values at "
+                "the rate of the log, which are repeated: it is N at low frequency, which filters "
+                "meet."
+            )
+        else:
+            channels.append(channel)
+    return replace(fit, channels=channels), said
+
+
+def _louder(channel: FitChannel, factor: float) -> FitChannel:
+    white = channel.coefficients["N"]
+    louder = {"N": white.times(factor, white.unit)}
+    return replace(channel, coefficients=channel.coefficients | louder)
