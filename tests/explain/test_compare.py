@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 import allanfit
 from allanfit.explain import explain_recording
 from allanfit.explain._compare import compared
-from allanfit.explain._references import references
+from allanfit.explain._references import references, terms_of
 from allanfit.identify import fit_series
 from allanfit.report._explain_verdict import simulation_sentence
 
@@ -20,6 +20,11 @@ def written(path, values, unit, name="gyro_x"):
     units = {"units": json.dumps({name: unit})} if unit else {}
     np.savez(path, rate_hz=RATE, **{name: values}, **units)
     return path
+
+
+def differences(fit, reference, seconds):
+    """Of a recording with nothing beyond five terms."""
+    return compared(fit, terms_of(fit), reference, [], [], seconds, lambda *_: ("", 1.0))
 
 
 def test_a_simulation_of_the_same_sensor_differs_by_chance_only(tmp_path):
@@ -36,7 +41,7 @@ def test_a_simulation_of_the_same_sensor_differs_by_chance_only(tmp_path):
         simulation = written(tmp_path / "b.npz", noise(), "deg/s")
         fit = fit_series(recording.channels[0].samples, RATE)
         (reference,) = references(simulation, recording, "point").values()
-        differing += bool(compared(fit, fit, reference, [], [], SAMPLES / RATE))
+        differing += bool(differences(fit, reference, SAMPLES / RATE))
     assert differing < 4
 
 
@@ -66,16 +71,14 @@ def test_a_simulation_with_the_physics_agrees(shaken):
     (found,) = same.channels
     recording = allanfit.load(one)
     (reference,) = references(bare, recording, "point").values()
-    entries = compared(found.before, found.after, reference, found.mismatches, [], found.seconds)
+    entries = found.compared_with(reference, [])
     assert entries[0]["cause"] == "physics"
     assert "absent" in simulation_sentence({"mismatch": entries})
     # What the tool says is a simulation too.
     named = one.with_suffix(".json")
     named.write_text(json.dumps(same.to_dict()))
     (reference,) = references(named, recording, "point").values()
-    entries = compared(
-        found.before, found.after, reference, found.mismatches, found.mismatches, found.seconds
-    )
+    entries = found.compared_with(reference, found.located)
     assert not [each for each in entries if not 0.8 < each["ratio"] < 1.25]
 
 
@@ -117,7 +120,7 @@ def test_the_coefficient_that_is_off_is_blamed_and_no_other(tmp_path, wrong, fac
     believed.write_text("unit: deg/s\n" + "".join(f"{s}: {v}\n" for s, v in lines.items() if v))
     fit = fit_series(recording.channels[0].samples, RATE)
     (reference,) = references(believed, recording, "point").values()
-    entries = compared(fit, fit, reference, [], [], 4 * SAMPLES / RATE)
+    entries = differences(fit, reference, 4 * SAMPLES / RATE)
     assert {entry["coefficient"] for entry in entries} == {wrong}
     assert said in entries[0]["sentence"]
 

@@ -1,7 +1,7 @@
 """A recording against a simulation: where they differ, and whether a coefficient is to blame."""
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -10,9 +10,12 @@ from scipy.stats import norm
 
 from ..curves import unit_scale
 from ..identify import Fit
-from ..physics import EFFECTS, SYMBOLS
-from ._mismatch import span
+from ..physics import EFFECTS, SYMBOLS, AbstractFilter
+from ._effect import Effect
+from ._mismatch import Located, Mismatch, meet, span
 from ._references import Reference, terms_of
+from ._same_effect import Pair, pairs
+from ._structure import NARROW
 
 _SIGNIFICANT = 0.005
 # Compared in bands of about an octave.
@@ -22,8 +25,16 @@ _APART = 2.0
 # Ordinates of a density that is known.
 _EXACT = 1e9
 _RAMP = SYMBOLS.index("R")
+# What the simulation alone seems to have, and no band shows, has to be as unlikely as this: the
+# recording may have it too, and not have shown it quite.
+_CLEAR = 1e-6
+# A coefficient beside effects that are in doubt is off if it is by such a part.
+_DOUBTFUL_PART = 0.1
+# What has no band of its own, or is broad.
+_BROAD = ("gauss_markov", "power_law", "random_telegraph")
 
-Mismatch = dict[str, Any]
+#: The unit that a parameter of an effect is told in, and one such unit in SI and seconds.
+UnitOf = Callable[[Effect, str], tuple[str, float]]
 
 
 class _Cause(NamedTuple):
@@ -33,6 +44,8 @@ class _Cause(NamedTuple):
     #: The coefficient or effect whose size is wrong; None for physics that one of the two lacks.
     coefficient: str | None = None
     absent_from: str | None = None
+    #: Effects that it names.
+    named: tuple[Effect, ...] = ()
 
     @property
     def fields(self) -> Mismatch:
@@ -49,8 +62,9 @@ class _Difference(NamedTuple):
 
     low: float
     high: float
-    #: The recording's power over that of the simulation.
+    #: The recording's power over that of the simulation, where it is farthest from one, and where.
     ratio: float
+    at: tuple[float, float]
     chance: float
     #: By how much Q, N, B and K differ in power, recording less simulation.
     off: Float[np.ndarray, " noise"]
@@ -63,45 +77,78 @@ class _Difference(NamedTuple):
         return {"domain": "frequency", "low": self.low, "high": self.high, "unit": "Hz"}
 
 
+class _Effects(NamedTuple):
+    """What recording and simulation have beyond the five terms, but for what they share."""
+
+    #: What only one of the two has.
+    only_ours: list[Located]
+    only_theirs: list[Located]
+    #: What both have, of different sizes.
+    off: list[Pair]
+    unit_of: UnitOf
+
+
 def compared(
     before: Fit,
-    after: Fit,
+    own: tuple[Float[np.ndarray, " terms"], Float[np.ndarray, " terms"]],
     reference: Reference,
-    found: Sequence[Mismatch],
-    simulated: Sequence[Mismatch],
+    found: Sequence[Located],
+    simulated: Sequence[Located],
     seconds: float,
+    unit_of: UnitOf,
+    *,
+    doubtful: bool = False,
 ) -> list[Mismatch]:
     """Where recording and simulation differ, strongest first.
 
-    The recording takes so many `seconds`; `before` is its five-term fit, and `after` has its
-    coefficients beside what it was found to have beyond them. `found` is where the recording
-    differs from five terms, and `simulated` where the simulation does, with the names of effects.
+    The recording takes so many `seconds`; `before` is its five-term fit, and `own` are its
+    coefficients beside what it was found to have beyond them, and their deviations. `found` is
+    where the recording differs from five terms, and `simulated` where the simulation does, each
+    with its effect. The coefficients are `doubtful` where all that does not describe the recording.
 
     In each band the difference of the two is the sum of what their coefficients differ by, and of
-    what is none of the five terms in either: whichever is the larger is the cause.
+    what is none of the five terms in either: whichever is the larger is the cause. Effects that
+    both have are compared by their parameters.
     """
-    own, error = terms_of(after)
+    values, error = own
     # Coefficients that the record does not allow to be alike.
-    apart = np.abs(own - reference.coefficients) > _APART * np.hypot(error, reference.deviations)
+    distance = np.abs(values - reference.coefficients)
+    apart = distance > _APART * np.hypot(error, reference.deviations)
+    if doubtful:
+        apart &= distance > _DOUBTFUL_PART * np.maximum(values, reference.coefficients)
+        # And a term that it has not may stand for what is left out still.
+        apart &= reference.coefficients > 0
+    both = pairs(found, simulated, _SIGNIFICANT)
+    shared = {id(each.effect) for pair in both for each in (pair.own, pair.theirs)}
+    effects = _Effects(
+        [each for each in found if id(each.effect) not in shared],
+        [each for each in simulated if id(each.effect) not in shared],
+        [pair for pair in both if pair.off],
+        unit_of,
+    )
     bands = []
-    for each in _differences(before, own, reference):
+    for each in _differences(before, values, reference):
         which = _coefficient_to_blame(each, apart, bool(found or simulated))
         if which is None:
-            bands.append((each, _of_physics(each, found, simulated)))
+            bands.append((each, _of_physics(each, effects)))
         else:
-            bands.append((each, _of_size(which, own, error, reference)))
-    entries = [_entry(*band) for band in _joined(bands)]
-    entries += _ramp(own, error, reference, seconds)
-    for ours, theirs, lacking in (
-        (found, simulated, "simulation"),
-        (simulated, found, "recording"),
-    ):
-        entries += [
-            _unseen(each, lacking)
-            for each in ours
-            if not any(_alike(each, other) for other in theirs)
-            and not any(e["absent_from"] == lacking and _meet(e, each) for e in entries)
-        ]
+            bands.append((each, _of_size(which, values, error, reference)))
+    joined = _joined(bands)
+    named = [id(effect) for _, cause in joined for effect in cause.named]
+    entries = [_entry(*band) for band in joined]
+    entries += _ramp(values, error, reference, seconds)
+    entries += [_sized(pair, unit_of) for pair in effects.off if id(pair.own.effect) not in named]
+    # A band of an octave does not say where a line is.
+    entries += [
+        _unseen(each, "simulation")
+        for each in effects.only_ours
+        if each.effect.name in ("sinusoid", *NARROW) or id(each.effect) not in named
+    ]
+    entries += [
+        _unseen(each, "recording")
+        for each in effects.only_theirs
+        if id(each.effect) not in named and each.entry["p_value"] < _CLEAR
+    ]
     return sorted(entries, key=lambda entry: entry["p_value"])
 
 
@@ -135,7 +182,8 @@ def _differences(
         if chance < _SIGNIFICANT:
             beyond = seen - float(ours.sum()), drawn - float(theirs.sum())
             low, high = (float(frequency[part][end]) for end in (0, -1))
-            found.append(_Difference(low, high, seen / drawn, chance, ours - theirs, beyond))
+            place, ratio = (low, high), seen / drawn
+            found.append(_Difference(*place, ratio, place, chance, ours - theirs, beyond))
     return found
 
 
@@ -202,26 +250,46 @@ def _of_size(
     return _Cause(f"its {symbol} is too {way}{factor}", symbol)
 
 
-def _of_physics(
-    one: _Difference, found: Sequence[Mismatch], simulated: Sequence[Mismatch]
-) -> _Cause:
+def _of_physics(one: _Difference, effects: _Effects) -> _Cause:
     """What is beyond the five terms in a band: in the recording, in the simulation, or both."""
-    ours, theirs = ([e for e in each if _meet(e, one.band)] for each in (found, simulated))
-    if ours or theirs:
-        is_ours = _is_more(one) if ours and theirs else bool(ours)
-    else:
-        is_ours = _is_more(one)
-        # What changes in time has no band of its own.
-        ours, theirs = ([e for e in each if e["domain"] == "time"] for each in (found, simulated))
-    both = [each["effect"] for each in ours if each["effect"] in {e["effect"] for e in theirs}]
-    if both:
-        way = "small" if one.ratio > 1 else "large"
-        return _Cause(f"its {both[0].replace('_', ' ')} is too {way}", both[0])
-    what = " and ".join({EFFECTS[e["effect"]].what: 0 for e in (ours if is_ours else theirs)})
+    sized = [pair for pair in effects.off if any(meet(e.entry, one.band) for e in pair[:2])]
+    more = one.ratio > 1
+    ours, theirs = (
+        [each for each in some if _could(each, is_more)]
+        for some, is_more in ((effects.only_ours, more), (effects.only_theirs, not more))
+    )
+    here = tuple([e for e in some if meet(e.entry, one.band)] for some in (ours, theirs))
+    if not any(here):
+        # What changes in time has no band of its own, and what is broad shows beyond its own.
+        sized = sized or [pair for pair in effects.off if _is_broad(pair.own)]
+        here = tuple([e for e in some if _is_broad(e)] for some in (ours, theirs))
+    if sized:
+        both = sized[0].own.effect, sized[0].theirs.effect
+        return _Cause(_size_of(sized[0], effects.unit_of), both[0].name, None, both)
+    is_ours = bool(here[0]) if not all(here) and any(here) else _is_more(one)
+    chosen = here[0] if is_ours else here[1]
+    what = ", ".join({EFFECTS[each.effect.name].what: 0 for each in chosen})
+    named = tuple(each.effect for each in chosen)
     if is_ours:
         said = "physics is absent from it" + (f" ({what})" if what else "")
-        return _Cause(said, None, "simulation")
-    return _Cause(f"it has {what or 'physics'}, which the recording has not", None, "recording")
+        return _Cause(said, None, "simulation", named)
+    return _Cause(
+        f"it has {what or 'physics'}, which the recording has not", None, "recording", named
+    )
+
+
+def _could(one: Located, more: bool) -> bool:
+    """Whether an effect can make more power, or less: filters alone take some away."""
+    return more or _takes(one.effect.name)
+
+
+def _takes(name: str) -> bool:
+    return issubclass(EFFECTS[name], AbstractFilter)
+
+
+def _is_broad(one: Located) -> bool:
+    name = one.effect.name
+    return one.entry["domain"] == "time" or name in _BROAD or _takes(name)
 
 
 def _is_more(one: _Difference) -> bool:
@@ -229,29 +297,39 @@ def _is_more(one: _Difference) -> bool:
     return abs(one.beyond[0]) > abs(one.beyond[1])
 
 
-def _unseen(entry: Mismatch, lacking: str) -> Mismatch:
-    """What only one of the two has, and no band shows as a difference."""
-    what = EFFECTS[entry["effect"]].what
+def _size_of(pair: Pair, unit_of: UnitOf) -> str:
+    """What an effect has in the simulation and in the recording, in words."""
+    assert pair.off is not None
+    off, (unit, factor) = pair.off, unit_of(pair.own.effect, pair.off.parameter)
+    own, theirs, low, high = (
+        f"{value / factor:.4g}" for value in (off.own, off.theirs, *off.interval)
+    )
+    spread = "" if low == high else f" [{low}, {high}]"
+    what = f"{EFFECTS[pair.own.effect.name].what} whose {off.parameter.replace('_', ' ')}"
+    return f"it has {what} is {theirs} {unit}".rstrip() + f", the recording's {own}{spread}"
+
+
+def _sized(pair: Pair, unit_of: UnitOf) -> Mismatch:
+    """What both have, in different sizes that no band shows."""
+    assert pair.off is not None
+    cause = _Cause(_size_of(pair, unit_of), pair.own.effect.name)
+    return {
+        **pair.own.entry,
+        "ratio": pair.off.own / pair.off.theirs if pair.off.theirs else None,
+        "p_value": pair.off.chance,
+        "sentence": f"The simulation has{cause.why.removeprefix('it has')}.",
+        **cause.fields,
+    }
+
+
+def _unseen(one: Located, lacking: str) -> Mismatch:
+    """What only one of the two has, and no band tells alone."""
+    entry, what = one.entry, EFFECTS[one.effect.name].what
     if lacking == "recording":
         said = f"The simulation has {what}, which the recording has not."
     else:
         said = f"{entry['sentence'].removesuffix('.')}: the simulation lacks {what}."
     return {**entry, "sentence": said, **_Cause(said, None, lacking).fields}
-
-
-def _meet(one: Mismatch, other: Mismatch) -> bool:
-    return (
-        one["domain"] == other["domain"]
-        and one["low"] <= other["high"]
-        and other["low"] <= one["high"]
-    )
-
-
-def _alike(one: Mismatch, other: Mismatch) -> bool:
-    """Whether two effects are one kind of thing: of one name, and of one band if it has a band."""
-    if one["domain"] == other["domain"] == "time":
-        return one["effect"] == other["effect"]
-    return _meet(one, other)
 
 
 def _simulated(
@@ -284,7 +362,7 @@ def _joined(bands: list[tuple[_Difference, _Cause]]) -> list[tuple[_Difference, 
     kept: list[tuple[_Difference, _Cause]] = []
     for one, cause in bands:
         last, before = kept[-1] if kept else (one, None)
-        if before is None or before[1:] != cause[1:] or (last.ratio > 1) != (one.ratio > 1):
+        if before is None or not _one_cause(before, cause) or (last.ratio > 1) != (one.ratio > 1):
             kept.append((one, cause))
             continue
         strongest = before if last.chance < one.chance else cause
@@ -294,12 +372,21 @@ def _joined(bands: list[tuple[_Difference, _Cause]]) -> list[tuple[_Difference, 
     return kept
 
 
+def _one_cause(one: _Cause, other: _Cause) -> bool:
+    # Effects are told apart by identity: their draws are arrays.
+    named = ([id(effect) for effect in each.named] for each in (one, other))
+    return one.fields == other.fields and next(named) == next(named)
+
+
 def _entry(one: _Difference, cause: _Cause) -> Mismatch:
+    power = f"{one.ratio:.3g} times the power of the simulation"
+    if one.at != (one.low, one.high):
+        far = "up to" if one.ratio > 1 else "as little as"
+        power = f"{far} {power} ({span(*one.at).lower().removesuffix(' hz')} Hz)"
     return {
         **one.band,
         "ratio": one.ratio,
         "p_value": one.chance,
-        "sentence": f"{span(one.low, one.high)} the recording has {one.ratio:.3g} times "
-        f"the power of the simulation: {cause.why}.",
+        "sentence": f"{span(one.low, one.high)} the recording has {power}: {cause.why}.",
         **cause.fields,
     }

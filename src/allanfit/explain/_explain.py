@@ -1,7 +1,7 @@
 """`explain`: what the five terms leave out of a recording, named, modelled and proven."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside
 from ._after import fit_after
 from ._averaged import averaged
+from ._clock import held_factor
 from ._compare import compared
 from ._curves import explained_curves
 from ._effect import Effect
@@ -25,7 +26,7 @@ from ._harmonics import Family, Line, families
 from ._held_out import HeldOut, held_out
 from ._investigate import ALARM, investigate
 from ._misfit import MISFIT, goodness
-from ._mismatch import mismatches
+from ._mismatch import Located, Mismatch, located
 from ._posterior import sample_structure
 from ._references import Reference, references, terms_of
 from ._state import Investigation
@@ -58,13 +59,27 @@ class ChannelExplanation:
     lines_apart: bool = False
     reference: Reference | None = None
     #: Where the simulation that it is compared with differs from its own five terms.
-    simulated: tuple[dict[str, Any], ...] = ()
+    simulated: tuple[Located, ...] = ()
 
     @property
-    def mismatches(self) -> list[dict[str, Any]]:
+    def located(self) -> list[Located]:
         """Where the channel differs from its five terms, an entry an effect."""
         dt = self.state.stride / float(self.before.rate_hz)
-        return mismatches(self.state, self.effects, dt)
+        return located(self.state, self.effects, dt)
+
+    @property
+    def terms(self) -> tuple[Float[np.ndarray, " terms"], Float[np.ndarray, " terms"]]:
+        """Q, N, B, K, R beside the effects as they show at low frequency, and deviations, in SI.
+
+        Of held values N is that of the fresh ones, and shows larger.
+        """
+        values, deviations = terms_of(self.best)
+        for effect in self.effects:
+            if effect.name == "sample_hold":
+                factor = held_factor(effect.value("repeat"), "regular" in effect.parameters)
+                values[1] *= factor
+                deviations[1] *= factor
+        return values, deviations
 
     @property
     def best(self) -> Fit:
@@ -104,14 +119,14 @@ class ChannelExplanation:
         channel, fit, factor = self.channel, self.before, self.channel.factor
         plain = coefficients_document(fit, channel)
         shown = [self._effect(effect) for effect in self.effects]
-        found = self.mismatches
+        found = self.located
         return {
             **channel_header(channel, fit),
             "verdict": self.verdict,
             "false_alarm_probability": self.false_alarm_probability,
-            "mismatch": found
+            "mismatch": [each.entry for each in found]
             if self.reference is None
-            else compared(fit, self.best, self.reference, found, self.simulated, self.seconds),
+            else self.compared_with(self.reference, self.simulated),
             "compared_with_simulation": self.reference is not None,
             "effects": shown,
             "coefficients_before": plain,
@@ -121,9 +136,22 @@ class ChannelExplanation:
             "improvement": self._improvement(),
             "witnesses": self.state.witnesses,
             "advice": list(self.advice),
-            "findings": list(ChannelFit(channel, fit, None).findings),
+            "findings": list(self.findings),
             "curves": explained_curves(fit, self.best, self.state, list(self.effects), factor),
         }
+
+    def compared_with(self, reference: Reference, simulated: Sequence[Located]) -> list[Mismatch]:
+        """Where the channel differs from a simulation, which has such effects of its own."""
+        return compared(
+            self.before,
+            self.terms,
+            reference,
+            self.located,
+            simulated,
+            self.seconds,
+            self._unit,
+            doubtful=self.misfit,
+        )
 
     @property
     def advice(self) -> tuple[str, ...]:
@@ -153,6 +181,17 @@ class ChannelExplanation:
                 "band moves: that tells electronics from mechanics."
             )
         return tuple(dict.fromkeys(said))
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What is amiss with the recording or its fit, a sentence each.
+
+        What a fit says that leaves something out, such as of the end of the spectrum, is a guess at
+        what is known here.
+        """
+        if self.effects and bool(self.before.converged):
+            return tuple(self.channel.findings)
+        return ChannelFit(self.channel, self.before, None).findings
 
     @property
     def _families(self) -> list[Family]:
@@ -282,9 +321,9 @@ def explain_recording(
                 simulated[id(reference)] = own
             own = simulated.get(id(reference))
             if own is not None:
-                values, deviations = terms_of(own.best)
+                values, deviations = own.terms
                 reference = replace(reference, coefficients=values, deviations=deviations)
-                explained = replace(explained, simulated=tuple(own.mismatches))
+                explained = replace(explained, simulated=tuple(own.located))
             explained = replace(explained, reference=reference)
         found.append(explained)
         done()

@@ -26,7 +26,7 @@ from ._lines import line_log_chance
 from ._means import Course
 from ._narrow import narrow_noises
 from ._rounded import about_angle, about_format
-from ._rounds import LINE_ALARM, take_one, take_strong_lines
+from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
 from ._state import (
     Finding,
     Investigation,
@@ -208,7 +208,7 @@ def _reconsider(state: Investigation) -> None:
         start = _search.without(state.model, place)
         less = _search.best([(start.kinds, start.theta)], state.data)[0]
         gain = less.deviance - state.model.deviance
-        if log_chance(names[place], gain) > np.log(state.alarm):
+        if log_chance(names[place], gain) > np.log(LEEWAY * state.alarm):
             gone = state.findings_of(names)[place]
             state.findings = [each for each in state.findings if each is not gone]
             state.model = less

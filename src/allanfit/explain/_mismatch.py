@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,12 +30,24 @@ _FOUND_AS = {
     "resonance": ("drifting_line",),
     "bump": ("sinusoid", "resonance", "drifting_line", "low_pass", "variance_modulation"),
 }
+# So many intervals are told each.
+_MOST_TIMES = 3
 _IN_TIME = ("step", "warm_up", "disturbance", "variance_modulation")
 
 
-def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> list[dict[str, Any]]:
+Mismatch = dict[str, Any]
+
+
+class Located(NamedTuple):
+    """Where an effect shows, and the effect."""
+
+    entry: Mismatch
+    effect: Effect
+
+
+def located(state: Investigation, effects: Sequence[Effect], dt: float) -> list[Located]:
     """One entry an effect, with its name, in Hz or s."""
-    entries = []
+    found = []
     for effect in effects:
         chance = math.exp(max(_log_chance(state, effect.name), math.log(_CHANCE_FLOOR)))
         if effect.name == "sample_hold" and state.stride > 1:
@@ -47,8 +59,17 @@ def mismatches(state: Investigation, effects: Sequence[Effect], dt: float) -> li
             entry = _in_time(state, effect, chance, dt)
         else:
             entry = _in_frequency(state, effect, chance, dt)
-        entries.append({**entry, "effect": effect.name})
-    return sorted(entries, key=lambda entry: entry["p_value"])
+        found.append(Located({**entry, "effect": effect.name}, effect))
+    return sorted(found, key=lambda each: each.entry["p_value"])
+
+
+def meet(one: Mismatch, other: Mismatch) -> bool:
+    """Whether two places have one in common."""
+    return (
+        one["domain"] == other["domain"]
+        and one["low"] <= other["high"]
+        and other["low"] <= one["high"]
+    )
 
 
 def _log_chance(state: Investigation, name: str) -> float:
@@ -74,6 +95,10 @@ def _in_time(state: Investigation, effect: Effect, chance: float, dt: float) -> 
         times = effect.lists["intervals"]
         low, high = min(pair[0] for pair in times), max(pair[1] for pair in times)
         ratio = effect.value("ratio") if "ratio" in effect.parameters else 1.0
+        if 1 < len(times) <= _MOST_TIMES:
+            each = " and ".join(f"from {start:.5g} to {stop:.5g} s" for start, stop in times)
+            said = f"The recording is not the same throughout: it differs {each}."
+            return _of_time(low, high, ratio, chance, said)
     where = f"at {low:.5g} s" if high - low < 1e-3 * end else f"from {low:.5g} to {high:.5g} s"
     said = f"The recording is not the same throughout: it differs {where}."
     return _of_time(low, high, ratio, chance, said)

@@ -63,11 +63,11 @@ def references(
     chosen = _chosen(found, recording)
     for channel in recording.channels:
         other = chosen.get(channel.name)
-        if other is not None and {other.kind, channel.kind} == {"gyro", "accelerometer"}:
+        if other is not None and other.kind != channel.kind:
+            ours, theirs = (each.unit or "no unit" for each in (channel, other))
             raise ValueError(
-                f"The simulation of {channel.name} is in {other.unit}, the recording in "
-                f"{channel.unit}: they do not measure the same; compare like with like, or "
-                "correct the unit of one."
+                f"The simulation of {channel.name} is in {theirs}, the recording in {ours}: they "
+                "do not measure the same; compare like with like, or correct the unit of one."
             )
     return chosen
 

@@ -34,6 +34,10 @@ LINE_ALARM = 4.0
 _LINE_WIDTH = 4
 # Options of the scan at full resolution: peaks of few ordinates and of more.
 _NARROWEST = _LINE, _BAND = "line", "band"
+# Broad noises, of which one is as good a witness as another that something is left out; with so many
+# times the chance that an alarm has.
+_STAND_INS = ("gauss_markov", "power_law")
+LEEWAY = 3.0
 # And another shape of a filter that is known.
 _DROOP = "droop"
 # In twice the log-likelihood.
@@ -67,6 +71,12 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
         return False
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
+    if among is None:
+        # That something is left out is told by one, and what it is by the likeliest.
+        close = np.log(LEEWAY * state.alarm)
+        near = [each for each in found if each.log_p < close and each.name in _STAND_INS]
+        if chosen.name in _STAND_INS:
+            chosen = max(near, key=lambda option: option.score)
     rivals: dict[str, float] = {}
     for option in found:
         # What a line explains nothing smooth does, and has its own turn: it is no rival.

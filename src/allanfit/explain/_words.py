@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
+from ._clock import held_factor
 from ._effect import Effect
 from ._harmonics import Family
 from ._lasting import USUAL
@@ -145,13 +144,7 @@ def _followed(shown: Parameters, told: Callable[[str], str]) -> str:
 
 
 def _held(shown: Parameters) -> float:
-    """N at low frequency over N of the fresh values at the rate of the log.
-
-    Held by a clock r samples long, noise has r times its density there; held with chance p, it has
-    (1 + p)/(1 - p) times, where r = 1/(1 - p).
-    """
-    repeat = float(shown["repeat"]["value"])
-    return float(np.sqrt(repeat if "regular" in shown else 2 * repeat - 1))
+    return held_factor(float(shown["repeat"]["value"]), "regular" in shown)
 
 
 def _unequal(shown: Parameters) -> str:
