@@ -4,10 +4,11 @@
 
 Each pair is a device of `benchmarks.concealed` and what its engineer believes of it: the same; one
 coefficient off by a factor; an effect of the catalogue that the simulation lacks, that only the
-simulation has, or that both have; a coefficient off and an effect absent. A simulation is a
-recording of its own, or a file of coefficients where it has no effect. A pair is right when
-`explain --simulation` blames the coefficients that are off and no other, and says of physics that
-it is absent where it is absent. It goes on where it stopped.
+simulation has, that both have, or that both have in different sizes; a coefficient off and an
+effect absent. A simulation is a recording of its own, or a file of coefficients where it has no
+effect. A pair is right when `explain --simulation` blames the coefficients, or the effect, that are
+off and no other, and says of physics that it is absent where it is absent. It goes on where it
+stopped.
 """
 
 import argparse
@@ -32,9 +33,12 @@ from .concealed._slow import Temperature
 from .concealed._strength import bins, five_terms
 
 RESULTS = Path(__file__).parent / "results" / "simulations"
-KINDS = ("same", "coefficient", "absent", "extra", "both", "coefficient, absent")
+KINDS = ("same", "coefficient", "absent", "extra", "both", "coefficient, absent", "size")
 # A strength at which nearly every effect is found, and one from which a coefficient is plainly off.
 STRENGTH, PLAIN = 400.0, 400.0
+# Effects of another size are as many times as strong in the simulation, and are of these.
+STRONGER = 6.0
+SIZED = ("gauss_markov", "power_law", "resonance", "sinusoid", "step", "warm_up", "low_pass")
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,7 @@ class Pair:
     believed: Device
     wrong: str
     effect: Effect | None
+    believed_effect: Effect | None
     has_recording: bool
     """Whether the simulation is a recording; coefficients else."""
 
@@ -53,7 +58,8 @@ class Pair:
     def effects(self) -> tuple[tuple[Effect, ...], tuple[Effect, ...]]:
         """Of the recording, and of the simulation."""
         one = (self.effect,) if self.effect else ()
-        return (() if self.kind == "extra" else one), one if self.kind in ("extra", "both") else ()
+        other = (self.believed_effect,) if self.believed_effect else ()
+        return (() if self.kind == "extra" else one), other
 
     @property
     def absent_from(self) -> list[str]:
@@ -69,11 +75,16 @@ def draw(seed: int, index: int) -> Pair:
         device = draw_device(rng)
         wrong, believed = _mistaken(rng, device) if "coefficient" in kind else ("", device)
         effect = None if kind in ("same", "coefficient") else _effect(rng, device)
+        other = effect if kind in ("extra", "both", "size") else None
+        if kind == "size" and effect is not None:
+            known = effect.name in SIZED
+            other = at_strength(effect, device, STRONGER * STRENGTH) if known else None
+            effect = effect if other is not None else None
         if believed is not None and (effect is None) == (kind in ("same", "coefficient")):
             if effect is not None and "absent" in kind:
                 believed = _as_seen(believed, device, effect)
-            drawn = kind in ("extra", "both") or bool(rng.random() < 0.5)
-            return Pair(kind, device, believed, wrong, effect, drawn)
+            drawn = other is not None or bool(rng.random() < 0.5)
+            return Pair(kind, device, believed, wrong, effect, other, drawn)
 
 
 def _mistaken(rng: np.random.Generator, device: Device) -> tuple[str, Device | None]:
@@ -91,7 +102,10 @@ def _mistaken(rng: np.random.Generator, device: Device) -> tuple[str, Device | N
 def _as_seen(believed: Device, device: Device, effect: Effect) -> Device:
     """Believed coefficients as those of the device show beside an effect: behind a filter, say."""
     seen = dict(believed.coefficients)
-    for symbol, value in effect.coefficients(device).items():
+    # Held values show the noise of fresh ones at low frequency, as a data sheet has it.
+    for symbol, value in (
+        () if effect.name == "sample_hold" else effect.coefficients(device).items()
+    ):
         seen[symbol] *= value / device.term(symbol)
     return replace(believed, coefficients=seen)
 
@@ -144,7 +158,9 @@ def judged(pair: Pair, entry: dict) -> dict:
         "verdict": entry["verdict"],
         "effects": [each["name"] for each in entry["effects"]],
         "said": [each["sentence"] for each in causes],
-        "coefficients_right": blamed - free == {pair.wrong} - {""} - free,
+        "coefficients_right": blamed - free == {pair.wrong} - {""} - free
+        if pair.kind != "size"
+        else blamed - free == {pair.effect.name if pair.effect else ""},
         "physics_right": sorted(absent) == pair.absent_from,
         "blamed": sorted(blamed),
         "absent_from": sorted(absent),

@@ -1,6 +1,7 @@
 """A recording beside a simulation of the same, of something else, or of another strength."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -9,7 +10,10 @@ from scipy.signal import lfilter
 import allanfit
 from allanfit.explain import explain_recording
 from allanfit.explain._compare import compared
-from allanfit.explain._references import references, terms_of
+from allanfit.explain._effect import Effect
+from allanfit.explain._mismatch import Located
+from allanfit.explain._references import Reference, references, terms_of
+from allanfit.explain._same_effect import pairs
 from allanfit.identify import fit_series
 from allanfit.report._explain_verdict import simulation_sentence
 
@@ -137,9 +141,9 @@ def test_a_simulation_without_noise_is_refused(tmp_path):
 def test_what_measures_something_else_is_refused(tmp_path):
     values = np.random.default_rng(2).standard_normal(SAMPLES)
     recording = allanfit.load(written(tmp_path / "a.npz", values, "deg/s"))
-    for name in ("gyro_x", "accel_x"):
-        other = written(tmp_path / "b.npz", values, "m/s^2", name)
-        with pytest.raises(ValueError, match=r"in m/s\^2, the recording in deg/s"):
+    for name, unit in (("gyro_x", "m/s^2"), ("accel_x", "m/s^2"), ("gyro_x", "counts")):
+        other = written(tmp_path / "b.npz", values, unit, name)
+        with pytest.raises(ValueError, match=f"in {re.escape(unit)}, the recording in deg/s"):
             explain_recording(recording, simulation=other)
 
 
@@ -166,3 +170,79 @@ def test_each_channel_of_a_simulation_has_its_own_unit(tmp_path):
     found = references(tmp_path / "b.npz", recording, "point")
     for name, unit in zip(names, (np.pi / 180, 9.80665e-3), strict=True):
         assert found[name].coefficients[1] == pytest.approx(0.1 * unit, rel=0.1)
+
+
+def line(amplitude, error, seed):
+    """A sinusoid at 7 Hz as explain finds it, its amplitude known with an error."""
+    rng = np.random.default_rng(seed)
+    found = amplitude + error * rng.standard_normal()
+    draws = {
+        "amplitude": found + error * rng.standard_normal(400),
+        "frequency": 7.0 + 1e-4 * rng.standard_normal(400),
+    }
+    entry = {"domain": "frequency", "low": 6.999, "high": 7.001, "unit": "Hz", "p_value": 1e-20}
+    entry |= {"ratio": 9.0, "sentence": "A line.", "effect": "sinusoid"}
+    return Located(entry, Effect("sinusoid", 0.99, {}, draws))
+
+
+def test_effects_that_both_have_are_compared_by_their_parameters():
+    """One in two hundred pairs of alike ones differ by chance: six of 400 or more, once in 60."""
+    alike = [
+        pairs([line(1.0, 0.05, seed)], [line(1.0, 0.05, 1000 + seed)], 0.005) for seed in range(400)
+    ]
+    assert sum(pair.off is not None for ((pair),) in alike) < 8
+    ((pair),) = pairs([line(1.0, 0.05, 1)], [line(1.5, 0.05, 2)], 0.005)
+    assert pair.off is not None
+    assert pair.off.parameter == "amplitude"
+    assert pair.off.interval[0] < 1.0 < pair.off.interval[1]
+    # Another line is another one.
+    elsewhere = line(1.0, 0.05, 3)
+    elsewhere.entry.update(low=8.0, high=8.1)
+    assert not pairs([line(1.0, 0.05, 1)], [elsewhere], 0.005)
+
+
+def test_a_line_of_another_size_is_told_with_both_sizes():
+    """No band of an octave shows it among a million ordinates."""
+    rng = np.random.default_rng(12)
+    fit = fit_series(rng.standard_normal(SAMPLES), RATE)
+    reference = Reference(*terms_of(fit), "deg/s", "gyro")
+    found, theirs = [line(0.2, 0.01, 4)], [line(0.4, 0.01, 5)]
+    (entry,) = compared(
+        fit, terms_of(fit), reference, found, theirs, SAMPLES / RATE, lambda *_: ("mV", 0.01)
+    )
+    assert entry["cause"] == "coefficient"
+    assert entry["coefficient"] == "sinusoid"
+    assert "The simulation has a sinusoid whose amplitude is 3" in entry["sentence"]
+    assert " mV, the recording's " in entry["sentence"]
+    # What the simulation alone has is told if it is certain, what the recording has always.
+    weak = line(0.4, 0.01, 5)
+    weak.entry["p_value"] = 1e-4
+    ends = SAMPLES / RATE, lambda *_: ("mV", 0.01)
+    assert not compared(fit, terms_of(fit), reference, [], [weak], *ends)
+    (entry,) = compared(fit, terms_of(fit), reference, [weak], [], *ends)
+    assert entry["absent_from"] == "simulation"
+    named = Reference(*terms_of(fit), "deg/s", "gyro", undrawn=("sinusoid",))
+    assert not compared(fit, terms_of(fit), named, [weak], [], *ends)
+
+
+@pytest.mark.parametrize("regular", [True, False])
+def test_held_values_have_the_n_of_a_log_that_is_not_held(tmp_path, regular):
+    """The simulation does not repeat, and its N is right: nothing of N is off."""
+    rng = np.random.default_rng(6)
+    count = 12 * SAMPLES
+    # A clock of 0.55 of the log's, or fresh values by chance.
+    fresh = np.diff(np.floor(0.55 * np.arange(count + 1))) > 0
+    if not regular:
+        fresh = rng.random(count) < 0.55
+    values = rng.standard_normal(count)[np.maximum.accumulate(np.where(fresh, np.arange(count), 0))]
+    repeat = 1 / 0.55
+    believed = tmp_path / "believed.yaml"
+    true = np.sqrt((repeat if regular else 2 * repeat - 1) / RATE)
+    believed.write_text(f"unit: deg/s\nN: {true}\n")
+    recording = allanfit.load(written(tmp_path / "a.npz", values, "deg/s"))
+    found = explain_recording(recording, simulation=believed, posterior=False)
+    (channel,) = found.to_dict()["channels"]
+    assert [effect["name"] for effect in channel["effects"]] == ["sample_hold"]
+    assert {entry["coefficient"] for entry in channel["mismatch"]} == {None}
+    assert "values that are repeated" in channel["mismatch"][0]["sentence"]
+    assert channel["improvement"]["held_out_log_score"]["difference"] > 1000

@@ -6,7 +6,7 @@ import typer
 
 from ..coefficients import Coefficients
 from ..datasheet import left_out_of
-from ..physics import Bump
+from ..physics import AbstractEffect, Bump, Disturbance, Temperature
 from ..report._format import printable
 
 
@@ -17,11 +17,23 @@ def tell_left_out(path: Path | None) -> None:
 
 
 def tell_undrawn(entry: Coefficients) -> None:
-    """Say on stderr what `explain` could place but not describe: no simulation has it."""
+    """Say on stderr what the simulation does not have, or not as the recording had it."""
     for effect in entry.effects:
-        if isinstance(effect, Bump) and not effect.high_pass and float(effect.height) == 0:
-            typer.echo(
-                f"allanfit: {printable(entry.channel)}: what is about {float(effect.frequency):.4g}"
-                " Hz has no name, and is not in the simulation.",
-                err=True,
-            )
+        said = _undrawn(effect)
+        if said:
+            typer.echo(f"allanfit: {printable(entry.channel)}: {said}.", err=True)
+
+
+def _undrawn(effect: AbstractEffect) -> str:
+    """What of an effect is not drawn."""
+    if isinstance(effect, Bump) and not effect.high_pass and float(effect.height) == 0:
+        place = f"what is about {float(effect.frequency):.4g} Hz"
+        return f"{place} has no name, and is not in the simulation"
+    if isinstance(effect, Disturbance):
+        return "knocks and movements are not in the simulation"
+    if isinstance(effect, Temperature) and effect.sensitivity is not None:
+        return (
+            "the simulation follows a room of its own, whose temperature varies by 1 K rms, not "
+            "that of the recording"
+        )
+    return ""

@@ -70,6 +70,8 @@ class _Difference(NamedTuple):
     off: Float[np.ndarray, " noise"]
     #: What is none of the five terms in the recording and in the simulation.
     beyond: tuple[float, float]
+    #: The chance of what their coefficients leave of the ratio.
+    rest: float
 
     @property
     def band(self) -> Mismatch:
@@ -130,7 +132,10 @@ def compared(
     for each in _differences(before, values, reference):
         which = _coefficient_to_blame(each, apart, bool(found or simulated))
         if which is None:
-            bands.append((each, _of_physics(each, effects)))
+            cause = _of_physics(each, effects)
+            # A file that names what cannot be drawn does not lack it.
+            if not cause.named or any(e.name not in reference.undrawn for e in cause.named):
+                bands.append((each, cause))
         else:
             bands.append((each, _of_size(which, values, error, reference)))
     joined = _joined(bands)
@@ -142,6 +147,7 @@ def compared(
     entries += [
         _unseen(each, "simulation")
         for each in effects.only_ours
+        if each.effect.name not in reference.undrawn
         if each.effect.name in ("sinusoid", *NARROW) or id(each.effect) not in named
     ]
     entries += [
@@ -183,7 +189,9 @@ def _differences(
             beyond = seen - float(ours.sum()), drawn - float(theirs.sum())
             low, high = (float(frequency[part][end]) for end in (0, -1))
             place, ratio = (low, high), seen / drawn
-            found.append(_Difference(*place, ratio, place, chance, ours - theirs, beyond))
+            explained = float(ours.sum() / max(theirs.sum(), 1e-300))
+            rest = _two_sided(ratio / explained, weight.sum(), count, len(begins))
+            found.append(_Difference(*place, ratio, place, chance, ours - theirs, beyond, rest))
     return found
 
 
@@ -200,7 +208,7 @@ def _coefficient_to_blame(
     which = int(np.argmax(np.where(clear, off, -np.inf) if np.any(clear) else off))
     if not more_is_known:
         return which if off[which] > 0 else None
-    larger = off.sum() > way * (one.beyond[0] - one.beyond[1])
+    larger = off.sum() > way * (one.beyond[0] - one.beyond[1]) or one.rest > _SIGNIFICANT
     return which if larger and clear[which] else None
 
 

@@ -18,6 +18,7 @@ from . import _search
 from ._chance import log_chance
 from ._clock import fresh_values
 from ._format import stuck
+from ._held_out_values import of_events
 from ._intervals import cut_out, joined
 from ._knocks import moved_while_loud
 from ._lasting import about_spread, loudness
@@ -79,6 +80,7 @@ def investigate(
     """
     drivers, stride = dict(drivers or {}), 1.0
     fresh = fresh_values(values, pieces)
+    alike = np.diff(usable(values, pieces)) == 0
     if fresh is not None:
         values, pieces, stride = fresh.values, fresh.pieces, fresh.repeat.samples
         drivers = {name: column[fresh.at] for name, column in drivers.items()}
@@ -87,6 +89,9 @@ def investigate(
     if fresh is not None:
         state.stride, state.at = stride, fresh.at
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
+        # Rounding alone makes as many neighbours alike as it does among fresh values.
+        rounded = float(np.mean(np.diff(usable(values, pieces)) == 0))
+        state.gains["sample_hold"] = of_events(alike, rounded)
     elif losses:
         after, counts = np.array(losses).T
         state.place += np.cumsum(np.bincount(after, counts, minlength=values.size))

@@ -16,6 +16,9 @@ from ..recording._recording import NoRateError
 from ..recording._units import parse_unit
 from ..simulate import simulate
 
+# Nobody simulates how the room's temperature went, and when it was moved or shaken.
+_UNDRAWN = ("temperature", "disturbance", "vibration_rectification")
+
 
 @dataclass(frozen=True)
 class Reference:
@@ -37,6 +40,8 @@ class Reference:
     frequency: Float[np.ndarray, " bins"] | None = None
     density: Float[np.ndarray, " bins"] | None = None
     ordinates: Float[np.ndarray, " bins"] | None = None
+    #: Effects that its file names and that no drawn recording shows as the real one does.
+    undrawn: tuple[str, ...] = ()
 
 
 def references(
@@ -137,7 +142,7 @@ def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> 
             rate_hz=recording.rate_hz,
             seed=0,
             sampling=si.sampling,
-            effects=si.effects,
+            effects=tuple(each for each in si.effects if each.name not in _UNDRAWN),
         )
         channel = Channel(
             entry.channel,
@@ -150,7 +155,8 @@ def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> 
             (),
         )
         made = Recording(entry.channel, recording.rate_hz, (channel,), (), (), "")
-        return _of_channel(channel, made, sampling)
+        undrawn = tuple(each.name for each in si.effects if each.name in _UNDRAWN)
+        return replace(_of_channel(channel, made, sampling), undrawn=undrawn)
     values = [abs(float(entry.values.get(symbol, 0.0))) * unit.factor for symbol in SYMBOLS]
     if not any(values[:4]):
         raise ValueError(

@@ -34,8 +34,8 @@ LINE_ALARM = 4.0
 _LINE_WIDTH = 4
 # Options of the scan at full resolution: peaks of few ordinates and of more.
 _NARROWEST = _LINE, _BAND = "line", "band"
-# Broad noises, of which one is as good a witness as another that something is left out; with so many
-# times the chance that an alarm has.
+# Broad noises, of which one is as good a witness as another that something is left out; with so
+# many times the chance that an alarm has.
 _STAND_INS = ("gauss_markov", "power_law")
 LEEWAY = 3.0
 # And another shape of a filter that is known.

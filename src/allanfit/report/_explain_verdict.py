@@ -7,7 +7,7 @@ from ._explain_words import capitalised, listed, words
 from ._format import Number, beside_error, p_value, significant, with_error
 
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
-_SURE = 0.9  # of an effect; below, the sentence says "probably"
+_SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", and "perhaps"
 _AGREES = 0.01  # p-value, as for a fit
 _NEARLY = 1e-4  # below, what is left out changes what is named
 _MANY = 100  # standard errors, beyond which their number says nothing
@@ -34,9 +34,10 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
         if not channel["improvement"]:
             return f"{start} explains how."
         return f"{start} explains how; a smooth bump stands for it in the better model."
-    sure = min(effect["probability"] for effect in effects) >= _SURE
+    least = min(effect["probability"] for effect in effects)
     left_out = listed([words(effect["name"]) for effect in effects])
-    start = f"The five-term model {'' if sure else 'probably '}leaves out {left_out}"
+    says = "" if least >= _SURE else "probably " if least >= _LIKELY else "perhaps "
+    start = f"The five-term model {says}leaves out {left_out}"
     if verdict == "unexplained":
         return f"{start}, and something more that no effect of the catalogue explains."
     with_them = f"{start}; with {'that' if len(effects) == 1 else 'them'} it"
