@@ -26,6 +26,7 @@ from allanfit.explain import explain_recording
 from allanfit.whole_file import replacing
 
 from .concealed._catalogue import INSIDE
+from .concealed._converter import SampleHold
 from .concealed._device import Device, Surroundings, draw_device, simulate
 from .concealed._effect import Effect, at_strength
 from .concealed._key import write_recording
@@ -102,11 +103,11 @@ def _mistaken(rng: np.random.Generator, device: Device) -> tuple[str, Device | N
 def _as_seen(believed: Device, device: Device, effect: Effect) -> Device:
     """Believed coefficients as those of the device show beside an effect: behind a filter, say."""
     seen = dict(believed.coefficients)
-    # Held values show the noise of fresh ones at low frequency, as a data sheet has it.
-    for symbol, value in (
-        () if effect.name == "sample_hold" else effect.coefficients(device).items()
-    ):
+    for symbol, value in effect.coefficients(device).items():
         seen[symbol] *= value / device.term(symbol)
+    if isinstance(effect, SampleHold):
+        # At low frequency, as a data sheet has it.
+        seen["N"] *= np.sqrt((1 + effect.chance) / (1 - effect.chance))
     return replace(believed, coefficients=seen)
 
 

@@ -21,7 +21,9 @@ _FEWEST_PERIODS = 3
 # A row of tiles this much above one on the median has a level of its own, by a line or a resonance.
 _OWN_LEVEL = 1.3
 # A window belongs to a disturbance from this log chance on, once one stands out.
+# So near to it, in lengths of its window; and from a smaller one anywhere else.
 _BESIDE = float(np.log(0.05))
+_NEAR, _ELSEWHERE = 16.0, float(np.log(0.001))
 # Independent places for each sample, shape and length of window, by 850 records of white noise.
 _TRIALS = 1.0
 # The chance of the strongest tile, and of the second, third and fourth beside it, is allotted so.
@@ -70,14 +72,17 @@ def bursts(white: Float[np.ndarray, " samples"], tail: float = 1.0) -> Burst:
     ]
     trials = np.log(_TRIALS * max(white.size, 2) * max(len(windows), 1))
     tiles: list[_Tile] = []
+    beside: list[_Tile] = []
     for shape, hop, fewest in windows:
         frames = np.lib.stride_tricks.sliding_window_view(white, shape.size)[::hop]
         spectra = np.fft.rfft(frames * (shape / np.sqrt(np.sum(shape**2))))
         power = np.abs(spectra[:, fewest : spectra.shape[1] - fewest]) ** 2
         own = np.median(power, axis=0) / np.log(2)
         strongest = (power / np.where(own > _OWN_LEVEL, own, 1.0)).max(axis=1) / tail
-        for at in np.flatnonzero(trials - strongest < _BESIDE):
-            loud[at * hop : at * hop + shape.size] = True
+        beside += [
+            _Tile(float(strongest[at]), at * hop + shape.size / 2, shape.size)
+            for at in np.flatnonzero(trials - strongest < _BESIDE)
+        ]
         if not _lasts(strongest, power.shape[1], trials):
             high = np.argsort(-strongest)[: _HIGHEST * len(_ALLOTTED)]
             tiles += [
@@ -92,7 +97,14 @@ def bursts(white: Float[np.ndarray, " samples"], tail: float = 1.0) -> Burst:
     ]
     log_p = min(chances)
     # Several that are strong together may each be no more than chance.
-    for tile in apart[: chances.index(log_p) + 1]:
+    heard = apart[: chances.index(log_p) + 1]
+    near = [
+        tile
+        for tile in beside
+        if trials - tile.power < _ELSEWHERE
+        or any(abs(tile.middle - other.middle) < _NEAR * other.window for other in heard)
+    ]
+    for tile in heard + near:
         begin = round(tile.middle - tile.window / 2)
         loud[begin : begin + tile.window] = True
     return Burst(loud, min(0.0, log_p), tail * apart[0].power, apart[0].window)

@@ -270,6 +270,8 @@ def _of_physics(one: _Difference, effects: _Effects) -> _Cause:
     if not any(here):
         # What changes in time has no band of its own, and what is broad shows beyond its own.
         sized = sized or [pair for pair in effects.off if _is_broad(pair.own)]
+        if not any(_is_broad(e) for some in (ours, theirs) for e in some):
+            sized = sized or effects.off
         here = tuple([e for e in some if _is_broad(e)] for some in (ours, theirs))
     if sized:
         both = sized[0].own.effect, sized[0].theirs.effect

@@ -27,7 +27,7 @@ from ._lines import line_log_chance
 from ._means import Course
 from ._narrow import narrow_noises
 from ._rounded import about_angle, about_format
-from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
+from ._rounds import LEEWAY, LINE_ALARM, OF_COURSES, take_one, take_strong_lines
 from ._state import (
     Finding,
     Investigation,
@@ -53,8 +53,6 @@ _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outlier
 _FREE = 0.5
 # A bump within such a part of a peak's width is about it.
 _PEAK = 3.0
-# What changes when a course is taken back.
-_OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 
 
 def investigate(
@@ -249,7 +247,7 @@ def _drop_unless(
     state: Investigation, course: Course, stands: Callable[[float, float], bool]
 ) -> None:
     """Take a course back, unless what it gains and the log of the chance of that stand."""
-    kept = {name: getattr(state, name) for name in _OF_COURSES}
+    kept = {name: getattr(state, name) for name in OF_COURSES}
     drop_courses(state, [course])
     if stands(*evidence(state, course)):
         for name, value in kept.items():

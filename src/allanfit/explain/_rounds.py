@@ -1,6 +1,7 @@
 """One more effect at a time: lines, smooth effects and courses compete, and one is taken."""
 
 from collections.abc import Callable
+from copy import copy
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -38,6 +39,10 @@ _NARROWEST = _LINE, _BAND = "line", "band"
 # many times the chance that an alarm has.
 _STAND_INS = ("gauss_markov", "power_law")
 LEEWAY = 3.0
+# Courses that hide together with broad noise behind one random walk, if their chance is so small.
+_SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
+# What changes when a course is taken, and taken back.
+OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 # And another shape of a filter that is known.
 _DROOP = "droop"
 # In twice the log-likelihood.
@@ -68,7 +73,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
     alarms = [option for option in found if option.log_p < np.log(state.alarm)]
     if not alarms:
-        return False
+        return _take_together(state, found)
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
     if among is None:
@@ -84,6 +89,36 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
+
+
+def _take_together(state: Investigation, found: list[Option]) -> bool:
+    """A slow course and correlated noise, if both together are no chance; says whether they were.
+
+    Each alone leaves a random walk that stands for the other, beside which it gains little.
+    """
+    slow = [each for each in found if each.name in _SLOW and each.log_p < _HINT]
+    if not slow:
+        return False
+    course = min(slow, key=lambda option: option.log_p)
+    kept = {name: copy(getattr(state, name)) for name in OF_COURSES}
+    course.take({})
+    noise = min(
+        (each for each in _smooth_options(state) if each.name in _STAND_INS),
+        key=lambda option: option.log_p,
+        default=None,
+    )
+    if noise is not None:
+        product = course.log_p + noise.log_p + np.log(len(_SLOW))
+        # Of the product of two probabilities that chance makes uniform.
+        together = product + np.log1p(-product)
+        state.nearest = min(state.nearest, together)
+        if together < np.log(state.alarm):
+            state.findings[-1].log_p = together
+            noise.take({})
+            return True
+    for name, value in kept.items():
+        setattr(state, name, value)
+    return False
 
 
 def take_strong_lines(state: Investigation) -> None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import norm
+from scipy.stats import chi2
 
 from ._effect import Effect
 from ._mismatch import Located, meet
@@ -67,27 +67,49 @@ def _alike(one: Located, other: Located) -> bool:
 
 
 def _off(own: Effect, theirs: Effect) -> Off | None:
-    """The parameter that differs most."""
+    """The parameter that differs most, and the chance that all estimate the same.
+
+    Normal, and sizes in the logarithm: then the distance is a chi-square by both covariances.
+    """
     if own.name != theirs.name:
         return None
-    found = []
-    common = own.parameters.keys() & theirs.parameters.keys()
-    for name in sorted(common):
-        ours, others = (np.asarray(each.parameters[name], float) for each in (own, theirs))
-        chance = min(1.0, len(common) * _chance(ours, others))
-        low, high = np.quantile(ours, [0.025, 0.975])
-        found.append(Off(name, own.value(name), theirs.value(name), (low, high), chance))
-    return min(found, key=lambda each: each.chance, default=None)
+    names, ours, others, exact = [], [], [], []
+    for name in sorted(own.parameters.keys() & theirs.parameters.keys()):
+        one, other = (np.asarray(each.parameters[name], float) for each in (own, theirs))
+        if np.ptp(one) == 0 and np.ptp(other) == 0:
+            exact += [name] if _unequal(float(one[0]), float(other[0])) else []
+            continue
+        if min(one.min(), other.min()) > 0:
+            one, other = np.log(one), np.log(other)
+        names.append(name)
+        ours.append(one)
+        others.append(other)
+    if exact:
+        return _as_off(own, theirs, exact[0], _CHANCE_FLOOR)
+    if not names:
+        return None
+    # Together, since the parameters of a filter may each be known badly and both well.
+    distance = np.array([np.median(a) - np.median(b) for a, b in zip(ours, others, strict=True)])
+    covariance = sum(np.atleast_2d(_covariance(each)) for each in (ours, others))
+    square = float(distance @ np.linalg.pinv(covariance, hermitian=True) @ distance)
+    farthest = np.argmax(np.abs(distance) / np.sqrt(np.diag(covariance)))
+    chance = max(float(chi2.sf(square, len(names))), _CHANCE_FLOOR)
+    return _as_off(own, theirs, names[int(farthest)], chance)
 
 
-def _chance(ours: Float[np.ndarray, " draws"], theirs: Float[np.ndarray, " other"]) -> float:
-    """That the two estimate one number, both normal, or their logarithms if they are sizes."""
-    if np.ptp(ours) == 0 and np.ptp(theirs) == 0:
-        one, other = float(ours[0]), float(theirs[0])
-        alike = abs(one - other) <= _EXACT * max(abs(one), abs(other))
-        return 1.0 if alike or (one in _FLAGS and other in _FLAGS) else _CHANCE_FLOOR
-    if min(ours.min(), theirs.min()) > 0:
-        ours, theirs = np.log(ours), np.log(theirs)
-    deviation = np.hypot(np.std(ours), np.std(theirs))
-    distance = abs(float(np.median(ours) - np.median(theirs)))
-    return max(2 * float(norm.sf(distance, scale=deviation)), _CHANCE_FLOOR)
+def _covariance(draws: list[Float[np.ndarray, " draws"]]) -> Float[np.ndarray, "names names"]:
+    """Of parameters drawn together; what is exact has none."""
+    if len({each.size for each in draws}) > 1:
+        return np.diag([np.var(each) for each in draws])
+    return np.atleast_2d(np.cov(np.stack(draws)))
+
+
+def _unequal(one: float, other: float) -> bool:
+    """Whether two exact numbers differ, flags aside."""
+    flags = one in _FLAGS and other in _FLAGS
+    return not flags and abs(one - other) > _EXACT * max(abs(one), abs(other))
+
+
+def _as_off(own: Effect, theirs: Effect, name: str, chance: float) -> Off:
+    low, high = np.quantile(np.asarray(own.parameters[name], float), [0.025, 0.975])
+    return Off(name, own.value(name), theirs.value(name), (float(low), float(high)), chance)
