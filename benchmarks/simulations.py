@@ -107,7 +107,7 @@ def _as_seen(believed: Device, device: Device, effect: Effect) -> Device:
         seen[symbol] *= value / device.term(symbol)
     if isinstance(effect, SampleHold):
         # At low frequency, as a data sheet has it.
-        seen["N"] *= np.sqrt((1 + effect.chance) / (1 - effect.chance))
+        seen["N"] *= float(np.sqrt((1 + effect.chance) / (1 - effect.chance)))
     return replace(believed, coefficients=seen)
 
 

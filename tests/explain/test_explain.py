@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import butter, lfilter, welch
+from scipy.signal import butter, fftconvolve, lfilter, welch
 
 import allanfit
 from allanfit.cli import main
@@ -260,3 +260,25 @@ def test_a_resonance_of_averaged_samples_has_the_size_that_it_had_before(tmp_pat
     (effect,) = explained(tmp_path, values, sampling="averaged")["effects"]
     assert effect["name"] == "resonance"
     assert effect["parameters"]["sigma"]["value"] == pytest.approx(0.02, rel=0.06)
+
+
+def test_a_course_and_noise_that_hide_behind_one_walk_are_found_together(tmp_path):
+    """Each alone gains 7 to 11 in twice the log-likelihood, and chance makes that of it."""
+    rate, samples = 10.0, 25_000
+    time, rng = np.arange(samples) / rate, np.random.default_rng(8)
+    keeps = np.exp(-1 / rate / 12.0)
+    wander = 0.004 * np.sqrt(1 - keeps**2) * rng.standard_normal(samples)
+    x = 0.006 * rate**0.5 * rng.standard_normal(samples) + lfilter([1], [1, -keeps], wander)
+    x += 0.05 * np.exp(-time / 180)
+    order = np.arange(1, samples)
+    half = np.cumprod(np.append(1.0, (order - 0.5) / order))
+    x += 0.001 * fftconvolve(rng.standard_normal(samples), half)[:samples]
+    since = np.maximum(time - 1700, 0)
+    x += 0.2 * np.exp(-since / 2.5) * np.sin(2 * np.pi * 1.4 * since)
+    np.savez(tmp_path / "a.npz", gyro_x=x, rate_hz=rate, units='{"gyro_x": "deg/s"}')
+    found = explain_recording(allanfit.load(tmp_path / "a.npz"), posterior=False)
+    (channel,) = found.to_dict()["channels"]
+    effects = {effect["name"]: effect["parameters"] for effect in channel["effects"]}
+    assert effects.keys() == {"disturbance", "warm_up", "gauss_markov"}
+    low, high = effects["warm_up"]["amplitude"]["intervals"]["0.95"]
+    assert low < 0.05 < high
