@@ -392,7 +392,8 @@ def _entry(one: _Difference, cause: _Cause) -> Mismatch:
     power = f"{one.ratio:.3g} times the power of the simulation"
     if one.at != (one.low, one.high):
         far = "up to" if one.ratio > 1 else "as little as"
-        power = f"{far} {power} ({span(*one.at).lower().removesuffix(' hz')} Hz)"
+        place = span(*one.at)
+        power = f"{far} {power} ({place[0].lower()}{place[1:]})"
     return {
         **one.band,
         "ratio": one.ratio,

@@ -76,12 +76,11 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
         return _take_together(state, found)
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
-    if among is None:
+    if among is None and chosen.name in _STAND_INS:
         # That something is left out is told by one, and what it is by the likeliest.
         close = np.log(LEEWAY * state.alarm)
         near = [each for each in found if each.log_p < close and each.name in _STAND_INS]
-        if chosen.name in _STAND_INS:
-            chosen = max(near, key=lambda option: option.score)
+        chosen = max(near, key=lambda option: option.score)
     rivals: dict[str, float] = {}
     for option in found:
         # What a line explains nothing smooth does, and has its own turn: it is no rival.
