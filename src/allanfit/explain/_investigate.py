@@ -27,7 +27,7 @@ from ._lines import line_log_chance
 from ._means import Course
 from ._narrow import narrow_noises
 from ._rounded import about_angle, about_format
-from ._rounds import LEEWAY, LINE_ALARM, OF_COURSES, take_one, take_strong_lines
+from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
 from ._state import (
     Finding,
     Investigation,
@@ -35,7 +35,9 @@ from ._state import (
     drop_courses,
     evidence,
     finer_edges,
+    go_back,
     refit,
+    remembered,
     resize,
 )
 from ._switches import switches_only
@@ -78,18 +80,18 @@ def investigate(
     """
     drivers, stride = dict(drivers or {}), 1.0
     fresh = fresh_values(values, pieces)
-    alike = np.diff(usable(values, pieces)) == 0
     if fresh is not None:
+        alike = np.diff(usable(values, pieces)) == 0
         values, pieces, stride = fresh.values, fresh.pieces, fresh.repeat.samples
         drivers = {name: column[fresh.at] for name, column in drivers.items()}
         power = power / np.asarray(unit_scale(stride))[: power.size] ** 2
+        # Rounding alone makes as many neighbours alike as it does among fresh values.
+        held = of_events(alike, float(np.mean(np.diff(usable(values, pieces)) == 0)))
     state = begin(values, pieces, sampling, power, alarm)
     if fresh is not None:
         state.stride, state.at = stride, fresh.at
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
-        # Rounding alone makes as many neighbours alike as it does among fresh values.
-        rounded = float(np.mean(np.diff(usable(values, pieces)) == 0))
-        state.gains["sample_hold"] = of_events(alike, rounded)
+        state.gains["sample_hold"] = held
     elif losses:
         after, counts = np.array(losses).T
         state.place += np.cumsum(np.bincount(after, counts, minlength=values.size))
@@ -247,11 +249,10 @@ def _drop_unless(
     state: Investigation, course: Course, stands: Callable[[float, float], bool]
 ) -> None:
     """Take a course back, unless what it gains and the log of the chance of that stand."""
-    kept = {name: getattr(state, name) for name in OF_COURSES}
+    kept = remembered(state)
     drop_courses(state, [course])
     if stands(*evidence(state, course)):
-        for name, value in kept.items():
-            setattr(state, name, value)
+        go_back(state, kept)
 
 
 def _leftover(state: Investigation) -> None:

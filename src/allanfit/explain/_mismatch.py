@@ -14,7 +14,8 @@ from ._state import Investigation
 
 # Part of the evidence that a reported band holds.
 _INSIDE = 0.8
-_CHANCE_FLOOR = 1e-300
+#: A p-value of zero cannot be told.
+CHANCE_FLOOR = 1e-300
 # What no spectrum shows, but the values or their times.
 _IN_VALUES = {
     "saturation": "Values pile up at the end of the range",
@@ -49,7 +50,7 @@ def located(state: Investigation, effects: Sequence[Effect], dt: float) -> list[
     """One entry an effect, with its name, in Hz or s."""
     found = []
     for effect in effects:
-        chance = math.exp(max(_log_chance(state, effect.name), math.log(_CHANCE_FLOOR)))
+        chance = math.exp(max(_log_chance(state, effect.name), math.log(CHANCE_FLOOR)))
         if effect.name == "sample_hold" and state.stride > 1:
             entry = _images(state, chance, dt)
         elif effect.name in _IN_VALUES:

@@ -1,7 +1,6 @@
 """One more effect at a time: lines, smooth effects and courses compete, and one is taken."""
 
 from collections.abc import Callable
-from copy import copy
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -23,6 +22,8 @@ from ._state import (
     drop_courses,
     evidence,
     finer_edges,
+    go_back,
+    remembered,
     whitened_piece,
 )
 from ._structure import NARROW
@@ -41,8 +42,6 @@ _STAND_INS = ("gauss_markov", "power_law")
 LEEWAY = 3.0
 # Courses that hide together with broad noise behind one random walk, if their chance is so small.
 _SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
-# What changes when a course is taken, and taken back.
-OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 # And another shape of a filter that is known.
 _DROOP = "droop"
 # In twice the log-likelihood.
@@ -99,7 +98,7 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
     if not slow:
         return False
     course = min(slow, key=lambda option: option.log_p)
-    kept = {name: copy(getattr(state, name)) for name in OF_COURSES}
+    kept = remembered(state)
     course.take({})
     noise = min(
         (each for each in _smooth_options(state) if each.name in _STAND_INS),
@@ -115,8 +114,7 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
             state.findings[-1].log_p = together
             noise.take({})
             return True
-    for name, value in kept.items():
-        setattr(state, name, value)
+    go_back(state, kept)
     return False
 
 

@@ -8,12 +8,10 @@ from jaxtyping import Float
 from scipy.stats import chi2
 
 from ._effect import Effect
-from ._mismatch import Located, meet
+from ._mismatch import CHANCE_FLOOR, Located, meet
 
 # Exact parameters differ by more than this part.
 _EXACT = 0.01
-# What is exact has no chance to differ by.
-_CHANCE_FLOOR = 1e-300
 # Exact ones of these values say what kind an effect is.
 _FLAGS = (0.0, 1.0)
 # Names of one peak, which are told apart by little.
@@ -85,15 +83,15 @@ def _off(own: Effect, theirs: Effect) -> Off | None:
         ours.append(one)
         others.append(other)
     if exact:
-        return _as_off(own, theirs, exact[0], _CHANCE_FLOOR)
+        return _as_off(own, theirs, exact[0], CHANCE_FLOOR)
     if not names:
         return None
     # Together, since the parameters of a filter may each be known badly and both well.
     distance = np.array([np.median(a) - np.median(b) for a, b in zip(ours, others, strict=True)])
-    covariance = sum(np.atleast_2d(_covariance(each)) for each in (ours, others))
+    covariance = sum(_covariance(each) for each in (ours, others))
     square = float(distance @ np.linalg.pinv(covariance, hermitian=True) @ distance)
     farthest = np.argmax(np.abs(distance) / np.sqrt(np.diag(covariance)))
-    chance = max(float(chi2.sf(square, len(names))), _CHANCE_FLOOR)
+    chance = max(float(chi2.sf(square, len(names))), CHANCE_FLOOR)
     return _as_off(own, theirs, names[int(farthest)], chance)
 
 

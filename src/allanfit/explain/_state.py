@@ -1,6 +1,7 @@
 """What is known of one channel while it is investigated, and how that is kept up to date."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import compress, pairwise
 from typing import Any, NamedTuple
@@ -40,6 +41,8 @@ _NEAR_ZERO = 0.002
 _MANY = 100.0
 # Samples of which a spectrum's lowest ordinates are a small part.
 _LONG = 256
+# What changes when a course is taken, and taken back.
+_OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
 
 
 @dataclass
@@ -328,6 +331,18 @@ def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     state.moved.append(_means.moved_by(course, state.pieces))
     state.findings.append(finding)
     resize(state)
+
+
+def remembered(state: Investigation) -> dict[str, Any]:
+    """What changes when courses are taken or taken back, for `go_back`."""
+    # Lists are added to in place.
+    return {name: copy(getattr(state, name)) for name in _OF_COURSES}
+
+
+def go_back(state: Investigation, kept: dict[str, Any]) -> None:
+    """The state as it was `remembered`."""
+    for name, value in kept.items():
+        setattr(state, name, value)
 
 
 def drop_courses(state: Investigation, gone: list[Course]) -> None:
