@@ -15,6 +15,7 @@ from allanfit.explain._mismatch import Located
 from allanfit.explain._references import Reference, references, terms_of
 from allanfit.explain._same_effect import pairs
 from allanfit.identify import fit_series
+from allanfit.report._explain_rows import simulation_rows
 from allanfit.report._explain_verdict import simulation_sentence
 
 RATE, SAMPLES = 100.0, 4096
@@ -69,15 +70,22 @@ def test_a_simulation_with_the_physics_agrees(shaken):
     (channel,) = same.to_dict()["channels"]
     assert [effect["name"] for effect in channel["effects"]] == ["resonance"]
     assert channel["mismatch"] == []
-    assert channel["compared_with_simulation"]
-    assert "agrees with the recording" in simulation_sentence(channel)
+    assert channel["simulation"]["recording"] == other.name
+    said = simulation_sentence(channel)
+    assert said.startswith(f"Compared with gyro_x of {other.name}: the simulation agrees")
+    # Both records are of one process: each other's curves and white noise, within their spread.
+    ours, theirs = (channel["curves"]["psd"][key] for key in ("density", "simulation"))
+    assert np.mean(theirs[-10:]) == pytest.approx(np.mean(ours[-10:]), rel=0.1)
+    assert None not in channel["curves"]["allan"]["simulation"]
+    drawn = channel["simulation"]["coefficients"]["N"]
+    assert drawn["intervals"]["0.95"][0] < 0.1 < drawn["intervals"]["0.95"][1]
     # The same without the other's own physics, as of a simulation that has none.
     (found,) = same.channels
     recording = allanfit.load(one)
     (reference,) = references(bare, recording, "point").values()
     entries = found.compared_with(reference, [])
     assert entries[0]["cause"] == "physics"
-    assert "absent" in simulation_sentence({"mismatch": entries})
+    assert "absent" in simulation_sentence({**channel, "mismatch": entries})
     # What the tool says is a simulation too.
     named = one.with_suffix(".json")
     named.write_text(json.dumps(same.to_dict()))
@@ -136,6 +144,28 @@ def test_a_simulation_without_noise_is_refused(tmp_path):
     believed.write_text("R: 0.1\n")
     with pytest.raises(ValueError, match="no noise to compare"):
         references(believed, recording, "point")
+
+
+def test_the_curves_of_a_simulation_are_those_of_its_coefficients(tmp_path):
+    """White noise has a deviation of N/sqrt(tau) and a density of 2 N^2; here given per hour."""
+    values = np.random.default_rng(3).standard_normal(SAMPLES)
+    recording = allanfit.load(written(tmp_path / "a.npz", values, "deg/s"))
+    believed = tmp_path / "believed.yaml"
+    believed.write_text("unit: deg/h\nN: 720\n")
+    found = explain_recording(recording, simulation=believed, posterior=False)
+    (channel,) = found.to_dict()["channels"]
+    curves = channel["curves"]
+    tau = np.array(curves["allan"]["tau_s"])
+    np.testing.assert_allclose(curves["allan"]["simulation"], 0.2 / np.sqrt(tau), rtol=1e-6)
+    # Where the ramp that is taken out takes nothing away.
+    np.testing.assert_allclose(curves["psd"]["simulation"][10:], 2 * 0.2**2, rtol=1e-3)
+    told = channel["simulation"]
+    assert (told["recording"], told["channel"]) == ("believed.yaml", "data")
+    entry = told["coefficients"]["N"]
+    assert entry["value"] == pytest.approx(0.2)
+    assert entry["unit"] == channel["coefficients_before"]["N"]["unit"]
+    assert simulation_rows(channel)["N"].reading.value == "0.2"
+    assert simulation_rows(channel)["K"].reading.value == "none"
 
 
 def test_what_measures_something_else_is_refused(tmp_path):
@@ -205,7 +235,7 @@ def test_a_line_of_another_size_is_told_with_both_sizes():
     """No band of an octave shows it among a million ordinates."""
     rng = np.random.default_rng(12)
     fit = fit_series(rng.standard_normal(SAMPLES), RATE)
-    reference = Reference(*terms_of(fit), "deg/s", "gyro")
+    reference = Reference(*terms_of(fit), "deg/s", "gyro", "a.npz", "gyro_x")
     found, theirs = [line(0.2, 0.01, 4)], [line(0.4, 0.01, 5)]
     (entry,) = compared(
         fit, terms_of(fit), reference, found, theirs, SAMPLES / RATE, lambda *_: ("mV", 0.01)
@@ -221,7 +251,7 @@ def test_a_line_of_another_size_is_told_with_both_sizes():
     assert not compared(fit, terms_of(fit), reference, [], [weak], *ends)
     (entry,) = compared(fit, terms_of(fit), reference, [weak], [], *ends)
     assert entry["absent_from"] == "simulation"
-    named = Reference(*terms_of(fit), "deg/s", "gyro", undrawn=("sinusoid",))
+    named = Reference(*terms_of(fit), "deg/s", "gyro", "a.npz", "gyro_x", undrawn=("sinusoid",))
     assert not compared(fit, terms_of(fit), named, [weak], [], *ends)
 
 

@@ -121,15 +121,6 @@ def _whole_beat(changes: Int[np.ndarray, " changes"]) -> Int[np.ndarray, " fresh
     return np.arange(changes[0], changes[-1] + 1, usual)
 
 
-def held_factor(repeat: float, regular: bool) -> float:
-    """N at low frequency over N of the fresh values at the rate of the log.
-
-    Held by a clock r samples long, noise has r times its density there; held with chance p, it has
-    (1 + p)/(1 - p) times, where r = 1/(1 - p).
-    """
-    return float(np.sqrt(repeat if regular else 2 * repeat - 1))
-
-
 def logged_density(
     frequency: Float[np.ndarray, " frequencies"],
     stride: float,

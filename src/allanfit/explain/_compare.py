@@ -1,29 +1,23 @@
-"""A recording against a simulation: where they differ, and whether a coefficient is to blame."""
+"""A recording against a simulation: is a coefficient to blame where they differ, or physics?"""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.stats import f as fisher
 from scipy.stats import norm
 
-from ..curves import unit_scale
 from ..identify import Fit
 from ..physics import EFFECTS, SYMBOLS, AbstractFilter
+from ._differences import SIGNIFICANT, Difference, differences
 from ._effect import Effect
 from ._mismatch import Located, Mismatch, meet, span
-from ._references import Reference, terms_of
+from ._references import Reference
 from ._same_effect import Pair, pairs
 from ._structure import NARROW
 
-_SIGNIFICANT = 0.005
-# Compared in bands of about an octave.
-_BINS_A_BAND = 5
 # Standard deviations beyond which two coefficients are not one.
 _APART = 2.0
-# Ordinates of a density that is known.
-_EXACT = 1e9
 _RAMP = SYMBOLS.index("R")
 # What the simulation alone seems to have, and no band shows, has to be as unlikely as this: the
 # recording may have it too, and not have shown it quite.
@@ -55,28 +49,6 @@ class _Cause(NamedTuple):
             "coefficient": self.coefficient,
             "absent_from": self.absent_from,
         }
-
-
-class _Difference(NamedTuple):
-    """Frequencies [Hz] at which the two differ by more than chance."""
-
-    low: float
-    high: float
-    #: The recording's power over that of the simulation, where it is farthest from one, and where.
-    ratio: float
-    at: tuple[float, float]
-    chance: float
-    #: By how much Q, N, B and K differ in power, recording less simulation.
-    off: Float[np.ndarray, " noise"]
-    #: What is none of the five terms in the recording and in the simulation.
-    beyond: tuple[float, float]
-    #: The chance of what their coefficients leave of the ratio.
-    rest: float
-
-    @property
-    def band(self) -> Mismatch:
-        """Its place, as that of a mismatch."""
-        return {"domain": "frequency", "low": self.low, "high": self.high, "unit": "Hz"}
 
 
 class _Effects(NamedTuple):
@@ -120,7 +92,7 @@ def compared(
         apart &= distance > _DOUBTFUL_PART * np.maximum(values, reference.coefficients)
         # And a term that it has not may stand for what is left out still.
         apart &= reference.coefficients > 0
-    both = pairs(found, simulated, _SIGNIFICANT)
+    both = pairs(found, simulated, SIGNIFICANT)
     shared = {id(each.effect) for pair in both for each in (pair.own, pair.theirs)}
     effects = _Effects(
         [each for each in found if id(each.effect) not in shared],
@@ -129,7 +101,7 @@ def compared(
         unit_of,
     )
     bands = []
-    for each in _differences(before, values, reference):
+    for each in differences(before, values, reference):
         which = _coefficient_to_blame(each, apart, bool(found or simulated))
         if which is None:
             cause = _of_physics(each, effects)
@@ -158,45 +130,8 @@ def compared(
     return sorted(entries, key=lambda entry: entry["p_value"])
 
 
-def _differences(
-    before: Fit, own: Float[np.ndarray, " terms"], reference: Reference
-) -> list[_Difference]:
-    dt = 1 / float(before.rate_hz)
-    frequency = np.asarray(before.design.frequency) / dt
-    density = np.asarray(before.estimate.statistics.density, float) * dt
-    ordinates = np.asarray(before.design.ordinates)
-    unit = np.asarray(before.design.density) * dt / np.asarray(unit_scale(dt), float)[:4] ** 2
-    model = unit @ terms_of(before)[0][:4] ** 2
-    begins = range(0, frequency.size, _BINS_A_BAND)
-    found = []
-    for begin in begins:
-        part = slice(begin, begin + _BINS_A_BAND)
-        end = frequency[begin + _BINS_A_BAND] if begin + _BINS_A_BAND < frequency.size else np.inf
-        weight = ordinates[part]
-        # As parts of the model, so that steep densities are not those of a band's edge. Sums over
-        # a band, not ratios of single bins: those of few ordinates have no mean.
-        shape = np.average(unit[part] / model[part, None], axis=0, weights=weight)
-        ours, theirs = (shape * each[:4] ** 2 for each in (own, reference.coefficients))
-        seen = float(np.average(density[part] / model[part], weights=weight))
-        if reference.density is None:
-            drawn, count = float(theirs.sum()), _EXACT
-        else:
-            drawn, count = _simulated(reference, frequency, model, part, end)
-        if count == 0:
-            continue
-        chance = _two_sided(seen / drawn, weight.sum(), count, len(begins))
-        if chance < _SIGNIFICANT:
-            beyond = seen - float(ours.sum()), drawn - float(theirs.sum())
-            low, high = (float(frequency[part][end]) for end in (0, -1))
-            place, ratio = (low, high), seen / drawn
-            explained = float(ours.sum() / max(theirs.sum(), 1e-300))
-            rest = _two_sided(ratio / explained, weight.sum(), count, len(begins))
-            found.append(_Difference(*place, ratio, place, chance, ours - theirs, beyond, rest))
-    return found
-
-
 def _coefficient_to_blame(
-    one: _Difference, apart: Bool[np.ndarray, " terms"], more_is_known: bool
+    one: Difference, apart: Bool[np.ndarray, " terms"], more_is_known: bool
 ) -> int | None:
     """Which coefficient makes two differ in a band; None where it is physics.
 
@@ -208,7 +143,7 @@ def _coefficient_to_blame(
     which = int(np.argmax(np.where(clear, off, -np.inf) if np.any(clear) else off))
     if not more_is_known:
         return which if off[which] > 0 else None
-    larger = off.sum() > way * (one.beyond[0] - one.beyond[1]) or one.rest > _SIGNIFICANT
+    larger = off.sum() > way * (one.beyond[0] - one.beyond[1]) or one.rest > SIGNIFICANT
     return which if larger and clear[which] else None
 
 
@@ -222,7 +157,7 @@ def _ramp(
     own, theirs = float(terms[_RAMP]), float(reference.coefficients[_RAMP])
     error = np.hypot(deviations[_RAMP], reference.deviations[_RAMP])
     chance = 2 * float(norm.sf(abs(own - theirs), scale=error))
-    if chance > _SIGNIFICANT:
+    if chance > SIGNIFICANT:
         return []
     ratio = own / theirs if theirs > 0 else None
     cause = _of_size(_RAMP, terms, deviations, reference)
@@ -258,7 +193,7 @@ def _of_size(
     return _Cause(f"its {symbol} is too {way}{factor}", symbol)
 
 
-def _of_physics(one: _Difference, effects: _Effects) -> _Cause:
+def _of_physics(one: Difference, effects: _Effects) -> _Cause:
     """What is beyond the five terms in a band: in the recording, in the simulation, or both."""
     sized = [pair for pair in effects.off if any(meet(e.entry, one.band) for e in pair[:2])]
     more = one.ratio > 1
@@ -302,7 +237,7 @@ def _is_broad(one: Located) -> bool:
     return one.entry["domain"] == "time" or name in _BROAD or _takes(name)
 
 
-def _is_more(one: _Difference) -> bool:
+def _is_more(one: Difference) -> bool:
     """Whether the recording has more beyond the five terms, or less, than the simulation has."""
     return abs(one.beyond[0]) > abs(one.beyond[1])
 
@@ -342,34 +277,9 @@ def _unseen(one: Located, lacking: str) -> Mismatch:
     return {**entry, "sentence": said, **_Cause(said, None, lacking).fields}
 
 
-def _simulated(
-    reference: Reference,
-    frequency: Float[np.ndarray, " bins"],
-    model: Float[np.ndarray, " bins"],
-    part: slice,
-    end: float,
-) -> tuple[float, float]:
-    """Mean density of a simulated recording over the recording's model, and its ordinates."""
-    assert reference.frequency is not None
-    assert reference.density is not None
-    assert reference.ordinates is not None
-    inside = (reference.frequency >= 0.999 * frequency[part][0]) & (reference.frequency < end)
-    weight, at = reference.ordinates[inside], reference.frequency[inside]
-    if not weight.size:
-        return 0.0, 0.0
-    there = np.exp(np.interp(np.log(at), np.log(frequency), np.log(model)))
-    return float(weight @ (reference.density[inside] / there) / weight.sum()), float(weight.sum())
-
-
-def _two_sided(ratio: float, ordinates: float, others: float, tests: int) -> float:
-    above = float(fisher.sf(ratio, ordinates, others))
-    below = float(fisher.cdf(ratio, ordinates, others))
-    return min(1.0, 2 * tests * min(above, below))
-
-
-def _joined(bands: list[tuple[_Difference, _Cause]]) -> list[tuple[_Difference, _Cause]]:
+def _joined(bands: list[tuple[Difference, _Cause]]) -> list[tuple[Difference, _Cause]]:
     """Bands with one cause as one, where no other cause lies between them."""
-    kept: list[tuple[_Difference, _Cause]] = []
+    kept: list[tuple[Difference, _Cause]] = []
     for one, cause in bands:
         last, before = kept[-1] if kept else (one, None)
         if before is None or not _one_cause(before, cause) or (last.ratio > 1) != (one.ratio > 1):
@@ -388,7 +298,7 @@ def _one_cause(one: _Cause, other: _Cause) -> bool:
     return one.fields == other.fields and next(named) == next(named)
 
 
-def _entry(one: _Difference, cause: _Cause) -> Mismatch:
+def _entry(one: Difference, cause: _Cause) -> Mismatch:
     power = f"{one.ratio:.3g} times the power of the simulation"
     if one.at != (one.low, one.high):
         far = "up to" if one.ratio > 1 else "as little as"

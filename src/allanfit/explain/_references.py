@@ -32,6 +32,9 @@ class Reference:
     #: Its unit as given, and what that measures: `gyro`, `accelerometer` or `other`.
     unit: str
     kind: str
+    #: The name of its file, and of the channel in it.
+    recording: str
+    channel: str
     #: The simulated channel and its recording, where there is one: what it has beside the five
     #: terms is found as in any recording.
     simulated: tuple[Channel, Recording] | None = None
@@ -59,7 +62,7 @@ def references(
         return {}
     if isinstance(simulation, (str, Path)) and not is_recording(Path(simulation)):
         found = {
-            entry.channel: _of_entry(entry, recording, sampling)
+            entry.channel: _of_entry(entry, Path(simulation).name, recording, sampling)
             for entry in read_coefficients(simulation)
         }
     else:
@@ -131,7 +134,9 @@ def terms_of(fit: Fit) -> tuple[Float[np.ndarray, " terms"], Float[np.ndarray, "
     return values, np.append(np.abs(draws[:, :4]).std(axis=0), draws[:, 4].std())
 
 
-def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> Reference:
+def _of_entry(
+    entry: Coefficients, name: str, recording: Recording, sampling: Sampling
+) -> Reference:
     unit = parse_unit(entry.unit or _own_unit(entry.channel, recording))
     if entry.effects:
         si = entry.times(unit.factor, unit.si_unit)
@@ -154,7 +159,7 @@ def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> 
             ((0, samples),),
             (),
         )
-        made = Recording(entry.channel, recording.rate_hz, (channel,), (), (), "")
+        made = Recording(name, recording.rate_hz, (channel,), (), (), "")
         undrawn = tuple(each.name for each in si.effects if each.name in _UNDRAWN)
         return replace(_of_channel(channel, made, sampling), undrawn=undrawn)
     values = [abs(float(entry.values.get(symbol, 0.0))) * unit.factor for symbol in SYMBOLS]
@@ -162,7 +167,9 @@ def _of_entry(entry: Coefficients, recording: Recording, sampling: Sampling) -> 
         raise ValueError(
             f"The simulation of {entry.channel} has no noise to compare: give one of Q, N, B and K."
         )
-    return Reference(np.array(values), np.zeros(len(SYMBOLS)), unit.name, unit.kind)
+    return Reference(
+        np.array(values), np.zeros(len(SYMBOLS)), unit.name, unit.kind, name, entry.channel
+    )
 
 
 def _of_channel(channel: Channel, recording: Recording, sampling: Sampling) -> Reference:
@@ -172,6 +179,8 @@ def _of_channel(channel: Channel, recording: Recording, sampling: Sampling) -> R
         *terms_of(fit),
         channel.unit,
         channel.kind,
+        recording.name,
+        channel.name,
         (channel, recording),
         np.asarray(fit.design.frequency) * rate_hz,
         np.asarray(fit.estimate.statistics.density) / rate_hz,

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from ._clock import held_factor
+from ..physics import held_factor
 from ._effect import Effect
 from ._harmonics import Family
 from ._lasting import USUAL

@@ -2,9 +2,7 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
-
-from ..physics import SampleHold
+from ..physics import SampleHold, held_factor
 from ..report._format import significant
 from ._read import FitChannel, FitFile
 
@@ -12,15 +10,13 @@ from ._read import FitChannel, FitFile
 def at_low_frequency(fit: FitFile) -> tuple[FitFile, list[str]]:
     """The fit with N of held values as they reach a filter, and a sentence for each such channel.
 
-    Explain tells N of the fresh values at the rate of the log. Each of them counts `repeat` times
-    for a filter that takes every sample, and one that takes fresh values alone has fewer of them:
-    for both the density at low frequency is the gain of the hold at zero times as large.
+    Explain tells N of the fresh values at the rate of the log.
     """
     channels, said = [], []
     for channel in fit.channels:
         held = [effect for effect in channel.effects if isinstance(effect, SampleHold)]
         if held:
-            factor = float(held[0].gain(jnp.zeros(()), channel.dt)) ** 0.5
+            factor = held_factor(float(held[0].repeat), held[0].regular)
             channels.append(_louder(channel, factor))
             said.append(
                 f"N of {channel.name} is {significant(factor)} times that of the fresh values at "

@@ -1,7 +1,7 @@
 """A whole recording: every channel fitted, with findings, and its JSON document."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, Literal, Protocol, overload, runtime_checkable
@@ -365,6 +365,22 @@ def coefficients_document(result: Fit, channel: Channel) -> dict[str, Any]:
             },
         }
     return document
+
+
+def exact_document(values: Mapping[str, float], channel: Channel) -> dict[str, Any]:
+    """As `coefficients_document`, of coefficients [SI] that somebody has set: without intervals."""
+    return {
+        term.symbol: {
+            "name": _name(term.names, channel.kind),
+            "unit": coefficient_unit(term, channel.unit),
+            "value": values[term.symbol] / channel.factor,
+            "least_squares": values[term.symbol] / channel.factor,
+            "resolved": True,
+            "upper_limit_95": None,
+            "intervals": {},
+        }
+        for term in STANDARD_TERMS
+    }
 
 
 def _influence(

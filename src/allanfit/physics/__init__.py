@@ -38,6 +38,7 @@ from ._rate_random_walk import RateRandomWalk as RateRandomWalk
 from ._recording import draw_recording as draw_recording
 from ._resonance import Resonance as Resonance
 from ._sample_hold import SampleHold as SampleHold
+from ._sample_hold import held_factor as held_factor
 from ._saturation import Saturation as Saturation
 from ._sinusoid import Sinusoid as Sinusoid
 from ._step import Step as Step

@@ -67,3 +67,12 @@ class SampleHold(AbstractFilter):
 def _whole_hold(samples, cycles):
     """What holding each value for so many samples does to the density of white noise."""
     return samples * (jnp.sinc(samples * cycles) / jnp.sinc(cycles)) ** 2
+
+
+def held_factor(repeat: float, regular: bool) -> float:
+    """N at low frequency over N of the fresh values at the rate of the log, for held values.
+
+    Each value counts `repeat` times for a filter that takes every sample, and one that takes fresh
+    values alone has fewer of them: for both the density at low frequency is that of the hold.
+    """
+    return float(SampleHold(jnp.asarray(repeat), regular).gain(jnp.zeros(()), 1.0)) ** 0.5

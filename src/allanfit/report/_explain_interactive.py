@@ -10,6 +10,7 @@ from ._explain_panels import (
     BEFORE,
     EFFECT_COLOURS,
     LARGEST_FINE_RATIO,
+    SIMULATION,
     ExplainedCurve,
     bands,
     load_explained,
@@ -23,7 +24,7 @@ _EFFECT_DASHES = ("2px,3px", "5px,2px", "9px,3px,2px,3px", "15px,4px")
 def explained_figure(channel: Mapping[str, Any], kind: str) -> dict[str, Any] | None:
     """A curve ("allan" or "psd") with both models; None where there are no data.
 
-    What belongs to a model has it as `meta`: "before" or "after".
+    What belongs to a model has it as `meta`: "before" or "after"; a simulation is always shown.
     """
     curve = load_explained(channel, kind)
     if not np.isfinite(curve.data).any():
@@ -43,6 +44,7 @@ def explained_figure(channel: Mapping[str, Any], kind: str) -> dict[str, Any] | 
     for rank, key, name, model, look, dash, symbol in (
         (3, "after", "better model", curve.after, AFTER, "solid", "circle"),
         (2, "before", "five terms", curve.before, BEFORE, "8px,4px", "diamond-open"),
+        (4, None, "simulation", curve.simulation, SIMULATION, "6px,3px,2px,3px", "x-thin-open"),
     ):
         if np.isfinite(model).any():
             drawn = line(curve.x, model, name, name, look["color"], dash)
@@ -57,7 +59,8 @@ def explained_figure(channel: Mapping[str, Any], kind: str) -> dict[str, Any] | 
                 "hovertemplate": f"recording / {name} %{{y:.3~g}}<extra></extra>",
                 "showlegend": False,
             }
-            traces += [{**each, "meta": key, "legendrank": rank} for each in (drawn, ratio)]
+            mark = {"legendrank": rank} | ({"meta": key} if key else {})
+            traces += [{**each, **mark} for each in (drawn, ratio)]
     traces.append({**points(curve.x, curve.data, curve.low, curve.high), **data})
     return {"data": traces, "layout": sheet}
 

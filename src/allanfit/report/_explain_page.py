@@ -9,6 +9,7 @@ from ._explain_rows import (
     change_rows,
     effect_rows,
     mismatch_rows,
+    simulation_rows,
     unchanged_rows,
     witness_rows,
 )
@@ -78,6 +79,7 @@ def _channel(channel: Mapping[str, Any], number: int, interactive: bool) -> dict
         "evidence": evidence_rows(channel),
         "changes": change_rows(channel),
         "unchanged": unchanged_rows(channel),
+        "simulated": simulation_rows(channel),
         "witnesses": witness_rows(channel),
         "advice": channel["advice"],
         "two_models": channel["verdict"] != "consistent",

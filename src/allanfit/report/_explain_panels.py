@@ -27,6 +27,7 @@ from ._panels import (
 # Okabe and Ito's palette again; dashes and open marks tell the models apart in grey print too.
 BEFORE: dict[str, Any] = {"color": "#D55E00", "linestyle": "--"}
 AFTER: dict[str, Any] = {"color": "#0072B2", "linestyle": "-"}
+SIMULATION: dict[str, Any] = {"color": "#000000", "linestyle": "-."}
 SHADE: dict[str, Any] = {"color": "#F0E442", "alpha": 0.45, "linewidth": 0}
 _NUMBERED = re.compile(r" \d+$")
 EFFECT_COLOURS = ("#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -50,6 +51,7 @@ class ExplainedCurve(NamedTuple):
     data: np.ndarray
     before: np.ndarray
     after: np.ndarray
+    simulation: np.ndarray
     low: np.ndarray
     high: np.ndarray
     effects: dict[str, np.ndarray]  # by name, only those that the curve shows
@@ -58,7 +60,7 @@ class ExplainedCurve(NamedTuple):
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Limits in x and y that frame the data; below, room to see the effects."""
-        levels = np.concatenate([self.data, self.before, self.after])
+        levels = np.concatenate([self.data, self.before, self.after, self.simulation])
         top = 2.0 * np.nanmax(np.concatenate([levels, self.high]))
         return (
             (float(np.nanmin(self.x)) / 1.3, float(np.nanmax(self.x)) * 1.3),
@@ -72,7 +74,8 @@ class ExplainedCurve(NamedTuple):
 
     def ratio_range(self) -> tuple[float, float]:
         """The smallest and the largest ratio of recording to model, and one."""
-        ratios = np.concatenate([self.data / self.before, self.data / self.after, [1.0]])
+        models = (self.before, self.after, self.simulation)
+        ratios = np.concatenate([*(self.data / each for each in models), [1.0]])
         return float(np.nanmin(ratios)), float(np.nanmax(ratios))
 
 
@@ -81,8 +84,9 @@ def load_explained(channel: Mapping[str, Any], kind: str) -> ExplainedCurve:
     entry = (channel["curves"] or {}).get(kind) or {}
     x_key, data_key = POINTS[kind]
     size = len(entry.get(x_key) or ())
-    x, data, before, after = (
-        positive(entry.get(key), size) for key in (x_key, data_key, "model_before", "model_after")
+    x, data, before, after, simulation = (
+        positive(entry.get(key), size)
+        for key in (x_key, data_key, "model_before", "model_after", "simulation")
     )
     if channel["verdict"] == "consistent":
         after = np.full(size, np.nan)  # there is no better model
@@ -90,7 +94,7 @@ def load_explained(channel: Mapping[str, Any], kind: str) -> ExplainedCurve:
     parts = {name: positive(values, size) for name, values in (entry.get("effects") or {}).items()}
     effects = _whole_effects(channel, kind, parts)
     labels = axis_labels(kind, channel["unit"])
-    return ExplainedCurve(x, data, before, after, low, high, effects, *labels)
+    return ExplainedCurve(x, data, before, after, simulation, low, high, effects, *labels)
 
 
 def _whole_effects(
@@ -142,6 +146,7 @@ def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
         for name, model, look, order in (
             ("five terms", curve.before, BEFORE, 2.9),
             ("better model", curve.after, AFTER, 2.8),
+            ("simulation", curve.simulation, SIMULATION, 2.95),
         ):
             if np.isfinite(model).any():
                 (handles[name],) = upper.plot(x, model, zorder=order, **look)
@@ -175,6 +180,7 @@ def _draw_ratio(axes: Axes, curve: ExplainedCurve) -> None:
     open_mark = {"markerfacecolor": "white", "markeredgewidth": 0.7, "markersize": 3.2}
     axes.plot(x, data / curve.before, "D", color=BEFORE["color"], **open_mark)
     axes.plot(x, data / curve.after, "o", color=AFTER["color"], markersize=2.8, markeredgewidth=0)
+    axes.plot(x, data / curve.simulation, "x", color=SIMULATION["color"], markersize=3.2)
     _scale_ratio(axes, *curve.ratio_range())
 
 

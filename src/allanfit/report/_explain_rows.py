@@ -14,6 +14,7 @@ _LISTED = 6  # times or intervals that are told one by one
 _NO_LARGER_STEP = 2.0  # a change beyond it is told as a factor
 # A ratio nearer to one is none: there is more in one part, and less in another.
 _EVEN = 0.005
+_NONE = Reading("none", "", "")
 _DOMAINS = {"frequency": "spectrum", "tau": "Allan deviation", "time": "time"}
 
 
@@ -197,6 +198,23 @@ def change_rows(channel: Mapping[str, Any]) -> list[Change]:
         )
         for old, new in rows
     ]
+
+
+def simulation_rows(channel: Mapping[str, Any]) -> dict[str, Row]:
+    """The simulation's coefficients by their symbols, {} where there is none."""
+    simulation = channel.get("simulation")
+    if not simulation:
+        return {}
+    entries = simulation["coefficients"]
+    return {
+        row.symbol: row if _has(entries[row.symbol]) else row._replace(reading=_NONE, field=())
+        for row in _rows(channel, entries)
+    }
+
+
+def _has(entry: Mapping[str, Any]) -> bool:
+    """Whether a simulation has a term, or may have: one that nobody measured is zero exactly."""
+    return bool(entry["value"]) or entry["upper_limit_95"] is not None
 
 
 def unchanged_rows(channel: Mapping[str, Any]) -> list[Row]:

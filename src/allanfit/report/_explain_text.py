@@ -12,6 +12,7 @@ from ._explain_rows import (
     effect_rows,
     heading,
     mismatch_rows,
+    simulation_rows,
     unchanged_rows,
     witness_rows,
 )
@@ -61,8 +62,10 @@ def _channel_lines(channel: Mapping[str, Any]) -> Iterator[str]:
     yield from _section("Where it differs", _places(mismatch_rows(channel)))
     yield from _section("What is left out", _effects(effect_rows(channel)))
     yield from _section("Evidence for the better model", _evidence(channel))
-    yield from _section("What becomes of the coefficients", _changes(change_rows(channel)))
-    yield from _section("Coefficients", _coefficients(unchanged_rows(channel)))
+    simulated = simulation_rows(channel)
+    changes = _changes(change_rows(channel), simulated)
+    yield from _section("What becomes of the coefficients", changes)
+    yield from _section("Coefficients", _coefficients(unchanged_rows(channel), simulated))
     yield from _section("Further tests", _witnesses(channel))
     yield from _section("Advice", _bullets(channel["advice"], 4))
 
@@ -106,24 +109,31 @@ def _evidence(channel: Mapping[str, Any]) -> Iterator[str]:
         )
 
 
-def _changes(rows: Sequence[Change]) -> Iterator[str]:
-    """Two lines a term: before and after."""
+def _changes(rows: Sequence[Change], simulated: Mapping[str, Row]) -> Iterator[str]:
+    """Two lines a term, before and after, and a third for a simulation."""
     left = max((len(text) for row in rows for text in (row.before.name, row.size)), default=0)
     readings = [each for row in rows for each in (row.before.reading, row.after.reading)]
-    widths = _widths(readings)
+    widths = _widths([*readings, *(row.reading for row in simulated.values())])
     for row in rows:
         before, after = (_aligned(each.reading, widths) for each in (row.before, row.after))
         yield f"    {row.before.symbol}  {row.before.name:<{left}}  before  {before}".rstrip()
         yield f"       {row.size:<{left}}  after   {after}".rstrip()
         if row.apart:
             yield f"       {'':<{left}}          the intervals do not overlap"
+        if simulated:
+            drawn = _aligned(simulated[row.before.symbol].reading, widths)
+            yield f"       {'':<{left}}  simul.  {drawn}".rstrip()
 
 
-def _coefficients(rows: Sequence[Row]) -> Iterator[str]:
-    left = max((len(row.name) for row in rows), default=0)
-    widths = _widths([row.reading for row in rows])
+def _coefficients(rows: Sequence[Row], simulated: Mapping[str, Row]) -> Iterator[str]:
+    """One line a term, and a second for a simulation."""
+    left = max((len(text) for row in rows for text in (row.name, "simulation")), default=0)
+    widths = _widths([row.reading for row in (*rows, *simulated.values())])
     for row in rows:
         yield f"    {row.symbol}  {row.name:<{left}}  {_aligned(row.reading, widths)}".rstrip()
+        if simulated:
+            drawn = _aligned(simulated[row.symbol].reading, widths)
+            yield f"       {'simulation':<{left}}  {drawn}".rstrip()
 
 
 def _widths(readings: Sequence[Reading]) -> tuple[int, int]:

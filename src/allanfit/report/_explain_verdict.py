@@ -3,11 +3,12 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ._explain_words import capitalised, listed, words
+from ._explain_words import listed, words
 from ._format import Number, beside_error, p_value, significant, with_error
 
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", and "perhaps"
+_ONLY = "data"  # the channel of a file that names none
 _AGREES = 0.01  # p-value, as for a fit
 _NEARLY = 1e-4  # below, what is left out changes what is named
 _MANY = 100  # standard errors, beyond which their number says nothing
@@ -64,11 +65,15 @@ def chance_sentence(channel: Mapping[str, Any]) -> str:
 
 
 def simulation_sentence(channel: Mapping[str, Any]) -> str:
-    """What is wrong with the simulation compared with, "" where there was none."""
+    """Which simulation was compared with and what is wrong with it, "" where there was none."""
+    simulation = channel.get("simulation")
+    if not simulation:
+        return ""
+    file, name = simulation["recording"], simulation["channel"]
+    which = f"Compared with {file if name == _ONLY else f'{name} of {file}'}: "
     causes = [entry for entry in channel["mismatch"] if entry.get("cause")]
     if not causes:
-        agrees = "The simulation agrees with the recording: no more differs than chance explains."
-        return agrees if channel.get("compared_with_simulation") else ""
+        return f"{which}the simulation agrees, no more differs than chance explains."
     off = sorted({entry["coefficient"] for entry in causes if entry.get("coefficient")})
     physics = [entry for entry in causes if entry["cause"] == "physics"]
     absent = {entry.get("absent_from") or "simulation" for entry in physics}
@@ -82,7 +87,7 @@ def simulation_sentence(channel: Mapping[str, Any]) -> str:
         parts.append("the simulation has physics that the recording has not")
     if not absent:
         parts.append("no physics is seen to be absent")
-    return capitalised(f"{', and '.join(parts)}.")
+    return f"{which}{', and '.join(parts)}."
 
 
 def evidence_rows(channel: Mapping[str, Any]) -> list[Evidence]:
