@@ -52,6 +52,15 @@ def test_long_tails_are_the_noise_itself():
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.02)
 
 
+def test_spikes_no_larger_than_the_noise_are_told():
+    """Of size 1.2 in one sample of fifty; N is that of the noise without them."""
+    rng = np.random.default_rng(6)
+    spikes = 1.2 * rng.standard_normal(8 * SAMPLES) * (rng.random(8 * SAMPLES) < 0.02)
+    state = named(rng.standard_normal(8 * SAMPLES) + spikes)
+    assert [finding.name for finding in state.findings] == ["outliers"]
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.01)
+
+
 @pytest.mark.parametrize("freedom", [3, 4, 6, 10])
 def test_long_tails_are_told_as_such(freedom):
     """Student's distributions, whose variance is df/(df - 2); 3 has no fourth moment."""

@@ -33,7 +33,8 @@ _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 _RARE = 0.05
 # And where so many samples have them, they are the noise itself, which has long tails.
 USUAL = 0.08
-# Such noise is told from a strong effect that is not normal by this gain over a normal one.
+# Such noise, and spikes no larger than the noise, are told from a strong effect that is not normal
+# by this gain over a normal one.
 _LONG_TAILED = 60.0
 # Samples of the whitening kernel; uniform parts that are narrower are as good as normal, and so
 # much of the variance is uniform at most.
@@ -144,9 +145,8 @@ def _name_spikes(
         "Two normal distributions against one, on the whitened record.",
     )
     spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
-    # A mixture of two shapes of one width has short tails.
-    tails = spiky.fraction > USUAL and spiky.amplitude > spiky.sigma / 2
-    tails = tails and spiky.gain > _LONG_TAILED
+    # Small ones, or noise with long tails. A mixture of two shapes of one width has short tails.
+    tails = spiky.gain > _LONG_TAILED and spiky.amplitude > spiky.sigma / 2
     if state.contamination is not None or not (spikes or tails):
         return
     height = _height(mean)
