@@ -156,10 +156,10 @@ def one_pass_against_memory(samples: int) -> dict:
         level = np.asarray(known.density) / whole.density[:, term]
         other = np.asarray(value.density) / layout.density[:, term]
         apart = (other - level) / np.median(level) * np.sqrt(whole.ordinates / 2)
-        small = whole.cluster_sizes < 2048
+        small = whole.cluster_sizes <= 8192
         allan = np.abs(np.asarray(value.allan) / np.asarray(known.allan) - 1)
         found[name] = {
-            "allan_below_2048": float(allan[small].max()),
+            "allan_to_8192": float(allan[small].max()),
             "density_rms_se": float(np.sqrt(np.mean(apart**2))),
             "density_max_se": float(np.abs(apart).max()),
         }
@@ -167,9 +167,9 @@ def one_pass_against_memory(samples: int) -> dict:
 
 
 def nearness(records: int) -> dict:
-    """The rms of what is lost, in standard errors, largest over sizes above 2048."""
+    """The rms of what is lost, in standard errors, largest over sizes above 8192."""
     sizes = allanfit.cluster_sizes(RECORD)
-    large = sizes >= 2048
+    large = sizes > 8192
     found = {}
     for kind in ("white", "walk", "quantization"):
         every, fewer = [], []

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import allanfit
-from allanfit.curves import LongAllanVariance
+from allanfit.curves import LongAllanVariance, LongStatistics
+from allanfit.curves._long import ROW
 
 SAMPLES = 300_000
 
@@ -19,19 +20,44 @@ def record():
 
 @pytest.mark.parametrize("length", [4096, 7777, SAMPLES])
 def test_blocks_of_any_length_give_the_variance_of_the_whole(record, length):
-    """Exactly below 2048; beyond, within 0.2 % of the standard error, which is above sqrt(n/N)."""
+    """Exactly to 8192; beyond, within 0.2 % of the standard error, which is above sqrt(n/N)."""
     sizes = allanfit.cluster_sizes(SAMPLES)
     variance = LongAllanVariance(sizes)
     ends = np.unique([0, 3, 20, *range(length, SAMPLES, length), SAMPLES])
     for begin, end in pairwise(ends):
         variance.add(record[begin:end])
     apart = variance.value() / np.asarray(allanfit.allan_variance(record, 1.0, sizes)) - 1
-    assert np.max(np.abs(apart[sizes < 2048])) < 1e-9
+    assert np.max(np.abs(apart[sizes <= 8192])) < 1e-9
     assert np.max(np.abs(apart) / np.sqrt(sizes / SAMPLES)) < 2e-3
 
 
+@pytest.mark.parametrize("shape", ["walk", "gravity", "ramp", "one row"])
+def test_rows_of_cosines_have_the_differences_of_the_record(shape):
+    """Several rows taken together, one by one, and what is left; none of what drifts is lost."""
+    rng = np.random.default_rng(8)
+    x = rng.standard_normal(5 * ROW + 12_345)
+    x = {
+        "walk": lambda: x + np.cumsum(x),
+        "gravity": lambda: 9.8 + 1e-4 * x,
+        "ramp": lambda: x + 0.01 * np.arange(x.size),
+        "one row": lambda: x[:ROW],
+    }[shape]()
+    sizes = np.array([1, 2, 7, 1024, 8192])
+    alone, beside = LongAllanVariance(sizes), LongStatistics()
+    for start in range(0, x.size, 600_000):
+        alone.add(x[start : start + 600_000])
+        beside.add(x[start : start + 600_000])
+    expected = np.asarray(allanfit.allan_variance(x, 1.0, sizes))
+    np.testing.assert_allclose(alone.value(), expected, rtol=1e-9)
+    # Where the spectrum has made the transforms already.
+    beside.end_stretch()
+    statistics, layout = beside.value()
+    place = np.searchsorted(layout.cluster_sizes, sizes)
+    np.testing.assert_allclose(np.asarray(statistics.allan)[place], expected, rtol=1e-9)
+
+
 def test_an_odd_size_takes_every_position(record):
-    sizes = np.array([3, 2049, 40_001])
+    sizes = np.array([3, 2049, 8193, 40_001])
     variance = LongAllanVariance(sizes)
     variance.add(record)
     expected = allanfit.allan_variance(record, 1.0, sizes)

@@ -1,29 +1,34 @@
 """Allan variance of a record longer than memory, from its blocks as they come.
 
-Small sizes go through `overlapping_sums` in pieces of one length, compiled once; large ones, which
-need few positions, are added up on the host.
+Small sizes share one cosine transform; large ones, which need few positions, are added up from
+running sums. All is done on the host, whose transforms are as fast as the samples are read.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
-import jax
-import jax.numpy as jnp
 import numpy as np
+import scipy.fft
 from jaxtyping import Float, Int
-
-from ._allan import overlapping_sums
 
 # Positions of a cluster within its own length that are enough: with white noise, leaving out the
 # others moves the variance by a thousandth of its standard error.
 _POSITIONS = 1024
-# Samples of one piece: many times what the differences reach back, little beside any memory.
-_PIECE = 2**18
+#: Samples of one cosine transform.
+ROW = 2**18
+# Rows whose ends, and sums whose differences, are taken together: threads that do much at a time
+# are seldom in each other's way.
+_ROWS, _TOGETHER = 4, 2**17
+# The largest size whose differences across the ends of rows are few beside those within.
+_NEAR = ROW // 32
+# The phase before all samples.
+_START = np.zeros(1)
 
 
 class LongAllanVariance:
     """The overlapping Allan variance [u^2] of samples [u] that are handed over block by block.
 
-    Sizes below 2048 take all positions, as `allanfit.allan_variance` does, and equal it to
+    Sizes up to 8192 take all positions, as `allanfit.allan_variance` does, and equal it to
     rounding. A larger size n takes every s-th position, where s is the largest power of two that
     divides n and is at most n/1024: what that leaves out is below 0.2 % of the standard error for
     white noise, less for what is slower; for quantization noise alone, which no record shows at
@@ -32,7 +37,7 @@ class LongAllanVariance:
     **Arguments:**
 
     - `cluster_sizes`: increasing positive integers; `allanfit.cluster_sizes(samples)` for the
-      record's length. An odd size above 2048 takes all its positions, and so its
+      record's length. An odd size above 8192 takes all its positions, and so its
       time, and memory for twice as many samples.
 
     **Raises:** `ValueError` for sizes that are not increasing positive integers.
@@ -55,20 +60,23 @@ class LongAllanVariance:
                 f"cluster_sizes must be increasing positive integers; got {cluster_sizes!r}"
             )
         self.cluster_sizes = sizes
-        strides = _strides(sizes)
-        every = sizes[strides == 1]
-        # Sizes beyond a piece, odd ones among them, are not worth a piece of their own.
-        near = every[2 * every <= _PIECE // 8]
+        near, far = sizes[sizes <= _NEAR], sizes[sizes > _NEAR]
         self._exact = [_Exact(near)] if len(near) else []
+        strides = _strides(far)
+        # Of running sums every so many samples are enough.
+        self._spacing = int(strides.min(initial=_NEAR))
         self._levels = [
-            _Level(int(s), mine)
+            _Level(int(s) // self._spacing, far[strides == s], self._spacing)
             for s in np.unique(strides)
-            if len(mine := np.setdiff1d(sizes[strides == s], near))
         ]
         self._samples = 0
         self._before = 0
         self._offset = 0.0
-        self._phase = 0.0
+        #: Samples since the last of the sums over `_spacing`, and sums not yet taken to the levels.
+        self._since = np.zeros(0)
+        self._sums: list[Float[np.ndarray, " sums"]] = []
+        #: The running sum, and of how many.
+        self._phase, self._phases = 0.0, 0
 
     def add(self, block: Float[np.ndarray, " samples"] | np.ndarray) -> None:
         """Take the next samples.
@@ -88,24 +96,52 @@ class LongAllanVariance:
         if not self._samples:
             # Less about its mean, the running sum stays small. A constant changes nothing.
             self._offset = float(x.mean())
-        x = x - self._offset
         for exact in self._exact:
             exact.add(x)
-        phase = self._phase + np.cumsum(x)
-        for level in self._levels:
-            level.add(phase, self._samples + 1)
+        if self._levels:
+            self._add_phase(x)
         self._samples += x.size
-        self._phase = float(phase[-1])
+
+    def _add_phase(self, x: Float[np.ndarray, " samples"]) -> None:
+        known = np.concatenate([self._since, x]) if self._since.size else x
+        whole = known.size // self._spacing * self._spacing
+        self._since = known[whole:].copy()
+        # Not by BLAS, whose threads would wait for one another on a busy machine.
+        sums = np.einsum("ij->i", known[:whole].reshape(-1, self._spacing))
+        self._sums.append(sums - self._offset * self._spacing)
+        if sum(each.size for each in self._sums) >= _TOGETHER:
+            self._take_sums()
+
+    def _take_sums(self) -> None:
+        sums = np.concatenate([np.zeros(0), *self._sums])
+        self._sums = []
+        if sums.size:
+            phase = self._phase + np.cumsum(sums)
+            for level in self._levels:
+                level.add(phase, self._phases + 1)
+            self._phase = float(phase[-1])
+            self._phases += phase.size
+
+    def share(self, power: Float[np.ndarray, " row"]) -> None:
+        """Leave it to somebody else to add up the power of the cosines of whole rows.
+
+        They take the same stretches in rows of `ROW` samples, and add to `power` in place.
+        """
+        for exact in self._exact:
+            exact.power, exact.shared = power, True
 
     def end_stretch(self) -> None:
         """What comes next is behind a gap: stretches add, as in a fit."""
+        self._take_sums()
         for each in (*self._exact, *self._levels):
             each.end()
         self._before += self._samples
-        self._samples, self._phase = 0, 0.0
+        self._samples, self._since = 0, np.zeros(0)
+        self._phase, self._phases = 0.0, 0
 
     def value(self) -> Float[np.ndarray, " sizes"]:
         """The variances so far, NaN for sizes beyond half of the longest stretch."""
+        self._take_sums()
         every = [*self._exact, *self._levels]
         parts = [each.value() for each in every]
         sizes = np.concatenate([each.sizes for each in every])
@@ -113,65 +149,149 @@ class LongAllanVariance:
 
 
 class _Exact:
-    """Sizes that take every position."""
+    """Sizes that take every position.
+
+    A row of samples, mirrored at its ends, goes round in a circle. There the squared differences of
+    adjacent sums add up to the powers of the row's cosines, each times what such a difference
+    passes (Parseval), for all sizes from one transform. The circle has every difference within the
+    row twice, and those across its two ends, which are taken off; those across the joint of two
+    rows are added.
+    """
 
     def __init__(self, sizes: Int[np.ndarray, " sizes"]):
         self.sizes = sizes
         self._reach = 2 * int(sizes.max())
-        self._sums = np.zeros(len(sizes))
+        #: Of the cosines of all rows, and whether somebody else adds it up.
+        self.power = np.zeros(ROW)
+        self.shared = False
+        #: Squared differences that are in no row.
+        self._across = np.zeros(len(sizes))
         self._positions = np.zeros(len(sizes))
-        self._blocks: list[Float[np.ndarray, " samples"]] = []
-        self._waiting = 0
+        #: Samples that do not fill a row yet.
+        self._row = np.empty(ROW)
+        self._filled = 0
+        #: The ends of rows whose joints have not been looked at, and the end of the row before.
+        self._heads, self._tails = np.empty((2, _ROWS, self._reach))
+        self._rows = 0
+        self._before = np.zeros(0)
 
     def add(self, x: Float[np.ndarray, " samples"]) -> None:
-        self._blocks.append(x)
-        self._waiting += x.size
-        if self._waiting < _PIECE:
-            return
-        known = np.concatenate(self._blocks)
-        step = _PIECE - self._reach
-        begin = 0
-        while begin + _PIECE <= known.size:
-            piece = known[begin : begin + _PIECE]
-            # Positions wholly within what the next piece begins with are counted there.
-            self._sums += self._sums_of(piece) - self._sums_of(piece[step:])
-            self._positions += step
-            begin += step
-        self._blocks = [known[begin:].copy()]
-        self._waiting = known.size - begin
+        while x.size:
+            some = x[: ROW - self._filled]
+            self._row[self._filled :][: some.size] = some
+            self._filled += some.size
+            x = x[some.size :]
+            if self._filled == ROW:
+                self._take_row()
 
     def end(self) -> None:
-        self._sums, self._positions = self._with_rest()
-        self._blocks, self._waiting = [], 0
+        self._join()
+        across, positions = self._rest()
+        self._across += across
+        self._positions += positions
+        self._filled, self._before = 0, np.zeros(0)
 
     def value(self) -> Float[np.ndarray, " sizes"]:
-        sums, positions = self._with_rest()
+        self._join()
+        across, positions = self._rest()
+        within = np.array([self.power @ _passed(size) for size in self.sizes.tolist()])
         with np.errstate(invalid="ignore"):
-            return sums / positions
+            sums = (within + self._across + across) / (2.0 * self.sizes.astype(float) ** 2)
+            return sums / (self._positions + positions)
 
-    def _with_rest(self) -> tuple[Float[np.ndarray, " sizes"], Float[np.ndarray, " sizes"]]:
-        """Sums and positions with those of the samples that do not fill a piece."""
-        rest = np.concatenate([np.zeros(0), *self._blocks])
-        positions = np.maximum(rest.size - 2 * self.sizes + 1, 0)
-        sums = squared_differences(rest, self.sizes) / (2.0 * self.sizes**2)
-        return self._sums + sums, self._positions + positions
+    def _take_row(self) -> None:
+        row, self._filled = self._row, 0
+        self._heads[self._rows] = row[: self._reach]
+        self._tails[self._rows] = row[-self._reach :]
+        self._rows += 1
+        if not self.shared:
+            # A constant changes no difference; less about its mean a row is exact to more digits.
+            row -= row.mean()
+            cosines = np.asarray(scipy.fft.dct(row, norm="ortho", overwrite_x=True))
+            self.power += cosines * cosines
+        if self._rows == _ROWS:
+            self._join()
 
-    def _sums_of(self, x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " sizes"]:
-        # In float32 the sums would be carried in pairs, which is slower and less exact.
-        with jax.enable_x64(True):
-            return np.asarray(overlapping_sums(jnp.asarray(x), jnp.asarray(self.sizes)))
+    def _join(self) -> None:
+        """Take the differences across the ends of rows."""
+        if not self._rows:
+            return
+        first, last = self._heads[: self._rows], self._tails[: self._rows]
+        continued = self._before.size > 0
+        before = np.concatenate([self._before[None], last[:-1]]) if continued else last[:-1]
+        joints = _phase(before, first if continued else first[1:])
+        # Both sides of a mirror have the same differences.
+        mirrors = np.concatenate([_phase(first[:, ::-1], first), _phase(last, last[:, ::-1])])
+        for place, n in enumerate(self.sizes.tolist()):
+            self._across[place] += _across(joints, n, 2 * n - 1) - _across(mirrors, n, n - 1)
+        self._positions += self._rows * ROW - (0 if continued else 2 * self.sizes - 1)
+        self._before = last[-1].copy()
+        self._rows = 0
+
+    def _rest(self) -> tuple[Float[np.ndarray, " sizes"], Float[np.ndarray, " sizes"]]:
+        """Squared differences of the samples that do not fill a row, and how many."""
+        known = np.concatenate([self._before, self._row[: self._filled]])
+        phase = np.append(0.0, np.cumsum(known - known[:1]))
+        fresh = self._before.size + 1
+        every = _Level(1, self.sizes, known=phase[:fresh])
+        every.add(phase[fresh:], fresh)
+        return np.array(every.sums), every.counts
+
+
+def _passed(size: int) -> Float[np.ndarray, " row"]:
+    """|H|^2 of the difference of adjacent sums, 4 sin^4(n w/2)/sin^2(w/2), at w = pi k/row."""
+    order = np.arange(1, ROW)
+    # Sines of whole parts of a turn repeat.
+    numerator = _fourth_powers()[size * order % (2 * ROW)]
+    return np.append(0.0, 4 * numerator / np.sin(np.pi * order / (2 * ROW)) ** 2)
+
+
+@lru_cache(maxsize=1)
+def _fourth_powers() -> Float[np.ndarray, " turn"]:
+    return np.sin(np.pi * np.arange(2 * ROW) / (2 * ROW)) ** 4
+
+
+def _phase(
+    before: Float[np.ndarray, "joints reach"], after: Float[np.ndarray, "joints reach"]
+) -> Float[np.ndarray, "joints places"]:
+    """Running sums over joints, which are in the middle."""
+    # First a zero, which stays one.
+    every = np.concatenate([np.zeros((len(before), 1)), before, after], axis=1)
+    every[:, 1:] -= every[:, 1:].mean(axis=1, keepdims=True)
+    return np.cumsum(every, axis=1, out=every)
+
+
+def _across(phase: Float[np.ndarray, "joints places"], n: int, windows: int) -> float:
+    """The sum of squared differences of sums of n samples across joints.
+
+    Of `windows` of them, from that which has one sample behind the joint.
+    """
+    first = phase.shape[1] // 2 + 1
+    difference = phase[:, first - n : first - n + windows] * -2.0
+    difference += phase[:, first : first + windows]
+    difference += phase[:, first - 2 * n : first - 2 * n + windows]
+    return float(np.einsum("ij,ij->", difference, difference))
 
 
 class _Level:
-    """Sizes that share a stride between positions."""
+    """Sizes that share a stride between positions.
 
-    def __init__(self, stride: int, sizes: Int[np.ndarray, " sizes"]):
+    The phase is handed over once in `spacing` samples, and every `stride`-th is taken.
+    """
+
+    def __init__(
+        self,
+        stride: int,
+        sizes: Int[np.ndarray, " sizes"],
+        spacing: int = 1,
+        known: Float[np.ndarray, " places"] = _START,
+    ):
         self.stride, self.sizes = stride, sizes
-        self._steps = sizes // stride
+        self._steps = sizes // (stride * spacing)
         self.sums = np.zeros(len(sizes))
         self.counts = np.zeros(len(sizes))
-        #: As much of the phase as the longest difference reaches back: zero before all samples.
-        self._tail = np.zeros(1)
+        #: As much of the phase as the longest difference reaches back.
+        self._tail = known
 
     def add(self, phase: Float[np.ndarray, " samples"], first: int) -> None:
         """Take the phase at positions `first` and after."""
@@ -190,7 +310,7 @@ class _Level:
         self._tail = known[-2 * int(self._steps.max()) :].copy()
 
     def end(self) -> None:
-        self._tail = np.zeros(1)
+        self._tail = _START
 
     def value(self) -> Float[np.ndarray, " sizes"]:
         with np.errstate(invalid="ignore"):

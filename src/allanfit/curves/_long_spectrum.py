@@ -17,9 +17,11 @@ import numpy as np
 import scipy.fft
 from jaxtyping import Float
 
+from ._long import ROW
 from ._spectrum import RampProjection
 
-_SEGMENT = 2**18
+# An Allan variance of the same samples takes its rows from here.
+_SEGMENT = ROW
 _FIRST = 64
 _SPACING = _SEGMENT // (8 * _FIRST)
 # A last segment shorter than this tells little that the others do not.
@@ -85,33 +87,35 @@ class LongSpectrum:
     def __init__(self):
         self._sums = np.zeros(_SLOTS)
         self._segments = np.zeros(_SEGMENT - _FIRST)
-        self._blocks: list[Float[np.ndarray, " samples"]] = []
-        self._waiting = 0
+        #: The power of the cosines of all segments, by order from zero, with the ramp in it.
+        self.power = np.zeros(_SEGMENT)
+        #: Samples that fill no segment yet, or fill one that may be the whole stretch.
+        self._waiting = np.empty(_SEGMENT)
+        self._filled = 0
         self._smooth: list[Float[np.ndarray, "places 3"]] = []
         self._offset = 0.0
 
     def add(self, block: Float[np.ndarray, " samples"]) -> None:
         """Take the next samples, finite ones, of the present stretch."""
-        if not block.size:
-            return
-        if not self._blocks:
+        if block.size and not self._filled:
             self._offset = float(block.mean())
-        self._blocks.append(block - self._offset)
-        self._waiting += block.size
-        # One more sample than a segment tells that the stretch is a long one.
-        if self._waiting > _SEGMENT:
-            known = np.concatenate(self._blocks)
-            whole = (known.size - 1) // _SEGMENT * _SEGMENT
-            for start in range(0, whole, _SEGMENT):
-                self._add_segment(known[start : start + _SEGMENT])
-            self._blocks = [known[whole:].copy()]
-            self._waiting = known.size - whole
+        while block.size:
+            # One more sample than a segment tells that the stretch is a long one.
+            if self._filled == _SEGMENT:
+                self._add_segment(self._waiting)
+                self._filled = 0
+            some = block[: _SEGMENT - self._filled]
+            np.subtract(some, self._offset, out=self._waiting[self._filled :][: some.size])
+            self._filled += some.size
+            block = block[some.size :]
 
     def end_stretch(self) -> Float[np.ndarray, " modes"]:
         """The first coefficients of the stretch that ends, the ramp in them."""
-        rest = np.concatenate(self._blocks)
+        rest = self._waiting[: self._filled]
         if not self._smooth:
             part, coefficients = Part(rest.size, 2, rest.size - 1), _cosine(rest)
+            if rest.size == _SEGMENT:
+                self.power[1:] += coefficients * coefficients
         else:
             if rest.size == _SEGMENT:
                 self._add_segment(rest)
@@ -122,7 +126,7 @@ class LongSpectrum:
                     self._add(short, 2 * _ordinates(short, _cosine(rest)))
             part, coefficients = _low_coefficients(np.concatenate(self._smooth))
         self._add(part, 2 * _ordinates(part, coefficients))
-        self._blocks, self._waiting, self._smooth = [], 0, []
+        self._filled, self._smooth = 0, []
         return coefficients
 
     def sums(self) -> Float[np.ndarray, " slots"]:
@@ -130,8 +134,11 @@ class LongSpectrum:
         return self._sums + in_slots(_segment(_SEGMENT).frequency, self._segments)
 
     def _add_segment(self, x: Float[np.ndarray, " samples"]) -> None:
+        """Take a segment, whose place in memory is used for its transform."""
         self._smooth.append(_smooth(x))
-        self._segments += 2 * _ordinates(_segment(_SEGMENT), _cosine(x))
+        cosines = _cosine(x, overwrite=True)
+        self.power[1:] += cosines * cosines
+        self._segments += 2 * _ordinates(_segment(_SEGMENT), cosines)
 
     def _add(self, part: Part, ordinates: Float[np.ndarray, " ordinates"]) -> None:
         self._sums += in_slots(part.frequency, ordinates)
@@ -147,9 +154,11 @@ def _segment(samples: int) -> Part:
     return Part(samples, max(-(-_FIRST * samples // _SEGMENT), 2), samples - 1)
 
 
-def _cosine(x: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " modes"]:
+def _cosine(
+    x: Float[np.ndarray, " samples"], *, overwrite: bool = False
+) -> Float[np.ndarray, " modes"]:
     """On the host: a transform of each length would have to be compiled."""
-    return np.asarray(scipy.fft.dct(x, type=2, norm="ortho"))[1:]
+    return np.asarray(scipy.fft.dct(x, type=2, norm="ortho", overwrite_x=overwrite))[1:]
 
 
 def _ordinates(

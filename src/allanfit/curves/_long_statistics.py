@@ -39,6 +39,8 @@ class LongStatistics:
     def __init__(self):
         self._allan = LongAllanVariance(cluster_sizes(_LONGEST))
         self._spectrum = LongSpectrum()
+        # One transform of each row serves both.
+        self._allan.share(self._spectrum.power)
         self._beside = ThreadPoolExecutor(1)
         self._spectral: Future | None = None
         self._odd_modes: list[Float[np.ndarray, " modes"]] = []
