@@ -137,7 +137,10 @@ def test_a_sensor_with_a_clock_of_its_own_is_explained(tmp_path):
     assert effects["sample_hold"]["repeat"]["value"] == pytest.approx(repeat, abs=1e-4)
     assert effects["sample_hold"]["regular"]["value"] == 1
     (sentence,) = [e["sentence"] for e in found["effects"] if e["name"] == "sample_hold"]
-    assert f"N is {np.sqrt(repeat):.3g} times as large" in sentence
+    # A value that fills w samples adds w times itself to a sum: E[w^2]/E[w] in power.
+    below, above = np.floor(repeat), repeat - np.floor(repeat)
+    squares = (1 - above) * below**2 + above * (below + 1) ** 2
+    assert f"N is {np.sqrt(squares / repeat):.3g} times as large" in sentence
     low, high = effects["sinusoid"]["frequency"]["intervals"]["0.95"]
     assert low < 7.0 < high
     low, high = found["coefficients_after"]["N"]["intervals"]["0.95"]

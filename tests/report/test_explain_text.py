@@ -109,7 +109,14 @@ def test_effects_beside_something_unexplained(explanation):
     assert "(Gauss-Markov) (2 of them) and a sinusoid (2 of them), and something more" in text
 
 
+def compared(channel):
+    """As if beside a simulation with the coefficients that five terms alone have."""
+    coefficients = channel["coefficients_before"]
+    channel["simulation"] = {"recording": "s.csv", "channel": "x", "coefficients": coefficients}
+
+
 def test_a_simulation_is_told_what_is_wrong_with_it(explanation):
+    compared(explanation["channels"][0])
     first, second, third = explanation["channels"][0]["mismatch"]
     first |= {"cause": "physics", "coefficient": None}
     second |= {"cause": "coefficient", "coefficient": "B"}
@@ -118,6 +125,9 @@ def test_a_simulation_is_told_what_is_wrong_with_it(explanation):
     assert "B and N of the simulation are off, and physics is absent from the simulation." in text
     assert "p < 1e-12, physics absent from the simulation" in text
     assert "p = 3.1e-9, B of the simulation is off" in text
+    assert "Compared with x of s.csv: B and N" in text
+    # A line each for the five terms of the simulation.
+    assert text.count(" simul. ") == 5
     first["absent_from"] = "recording"
     second["coefficient"] = "gauss_markov"
     text = told(explanation, 0)
@@ -127,6 +137,7 @@ def test_a_simulation_is_told_what_is_wrong_with_it(explanation):
 
 def test_only_coefficients_of_a_simulation_are_off(explanation):
     channel = explanation["channels"][2]
+    compared(channel)
     channel["mismatch"] = explanation["channels"][0]["mismatch"][1:2]
     channel["mismatch"][0] |= {"cause": "coefficient", "coefficient": "K"}
     text = told(explanation, 2)

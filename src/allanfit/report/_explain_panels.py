@@ -180,7 +180,8 @@ def _draw_ratio(axes: Axes, curve: ExplainedCurve) -> None:
     open_mark = {"markerfacecolor": "white", "markeredgewidth": 0.7, "markersize": 3.2}
     axes.plot(x, data / curve.before, "D", color=BEFORE["color"], **open_mark)
     axes.plot(x, data / curve.after, "o", color=AFTER["color"], markersize=2.8, markeredgewidth=0)
-    axes.plot(x, data / curve.simulation, "x", color=SIMULATION["color"], markersize=3.2)
+    if np.isfinite(curve.simulation).any():
+        axes.plot(x, data / curve.simulation, "x", color=SIMULATION["color"], markersize=3.2)
     _scale_ratio(axes, *curve.ratio_range())
 
 
