@@ -7,7 +7,7 @@ import pytest
 
 import allanfit
 from allanfit.curves import LongAllanVariance, LongStatistics
-from allanfit.curves._long import ROW
+from allanfit.curves._rows import ROW
 
 SAMPLES = 300_000
 

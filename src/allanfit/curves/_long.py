@@ -5,17 +5,16 @@ running sums. All is done on the host, whose transforms are as fast as the sampl
 """
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 import scipy.fft
 from jaxtyping import Float, Int
 
+from ._rows import ROW, Waiting
+
 # Positions of a cluster within its own length that are enough: with white noise, leaving out the
 # others moves the variance by a thousandth of its standard error.
 _POSITIONS = 1024
-#: Samples of one cosine transform.
-ROW = 2**18
 # Rows whose ends, and sums whose differences, are taken together: threads that do much at a time
 # are seldom in each other's way.
 _ROWS, _TOGETHER = 4, 2**17
@@ -74,7 +73,7 @@ class LongAllanVariance:
         self._offset = 0.0
         #: Samples since the last of the sums over `_spacing`, and sums not yet taken to the levels.
         self._since = np.zeros(0)
-        self._sums: list[Float[np.ndarray, " sums"]] = []
+        self._sums = Waiting(_TOGETHER)
         #: The running sum, and of how many.
         self._phase, self._phases = 0.0, 0
 
@@ -108,19 +107,20 @@ class LongAllanVariance:
         self._since = known[whole:].copy()
         # Not by BLAS, whose threads would wait for one another on a busy machine.
         sums = np.einsum("ij->i", known[:whole].reshape(-1, self._spacing))
-        self._sums.append(sums - self._offset * self._spacing)
-        if sum(each.size for each in self._sums) >= _TOGETHER:
-            self._take_sums()
+        for together in self._sums.add(sums - self._offset * self._spacing):
+            self._take_sums(together)
 
-    def _take_sums(self) -> None:
-        sums = np.concatenate([np.zeros(0), *self._sums])
-        self._sums = []
+    def _take_sums(self, sums: Float[np.ndarray, " sums"]) -> None:
         if sums.size:
             phase = self._phase + np.cumsum(sums)
             for level in self._levels:
                 level.add(phase, self._phases + 1)
             self._phase = float(phase[-1])
             self._phases += phase.size
+
+    def _take_waiting(self) -> None:
+        self._take_sums(self._sums.rest)
+        self._sums.clear()
 
     def share(self, power: Float[np.ndarray, " row"]) -> None:
         """Leave it to somebody else to add up the power of the cosines of whole rows.
@@ -132,7 +132,7 @@ class LongAllanVariance:
 
     def end_stretch(self) -> None:
         """What comes next is behind a gap: stretches add, as in a fit."""
-        self._take_sums()
+        self._take_waiting()
         for each in (*self._exact, *self._levels):
             each.end()
         self._before += self._samples
@@ -141,7 +141,7 @@ class LongAllanVariance:
 
     def value(self) -> Float[np.ndarray, " sizes"]:
         """The variances so far, NaN for sizes beyond half of the longest stretch."""
-        self._take_sums()
+        self._take_waiting()
         every = [*self._exact, *self._levels]
         parts = [each.value() for each in every]
         sizes = np.concatenate([each.sizes for each in every])
@@ -167,40 +167,36 @@ class _Exact:
         #: Squared differences that are in no row.
         self._across = np.zeros(len(sizes))
         self._positions = np.zeros(len(sizes))
-        #: Samples that do not fill a row yet.
-        self._row = np.empty(ROW)
-        self._filled = 0
+        self._waiting = Waiting(ROW)
         #: The ends of rows whose joints have not been looked at, and the end of the row before.
         self._heads, self._tails = np.empty((2, _ROWS, self._reach))
         self._rows = 0
         self._before = np.zeros(0)
 
     def add(self, x: Float[np.ndarray, " samples"]) -> None:
-        while x.size:
-            some = x[: ROW - self._filled]
-            self._row[self._filled :][: some.size] = some
-            self._filled += some.size
-            x = x[some.size :]
-            if self._filled == ROW:
-                self._take_row()
+        for row in self._waiting.add(x):
+            self._take_row(row)
 
     def end(self) -> None:
+        if self._waiting.full:
+            self._take_row(self._waiting.rest)
+            self._waiting.clear()
         self._join()
         across, positions = self._rest()
         self._across += across
         self._positions += positions
-        self._filled, self._before = 0, np.zeros(0)
+        self._before = np.zeros(0)
+        self._waiting.clear()
 
     def value(self) -> Float[np.ndarray, " sizes"]:
         self._join()
         across, positions = self._rest()
-        within = np.array([self.power @ _passed(size) for size in self.sizes.tolist()])
+        within = _within(self.power, self.sizes)
         with np.errstate(invalid="ignore"):
             sums = (within + self._across + across) / (2.0 * self.sizes.astype(float) ** 2)
             return sums / (self._positions + positions)
 
-    def _take_row(self) -> None:
-        row, self._filled = self._row, 0
+    def _take_row(self, row: Float[np.ndarray, " row"]) -> None:
         self._heads[self._rows] = row[: self._reach]
         self._tails[self._rows] = row[-self._reach :]
         self._rows += 1
@@ -230,25 +226,26 @@ class _Exact:
 
     def _rest(self) -> tuple[Float[np.ndarray, " sizes"], Float[np.ndarray, " sizes"]]:
         """Squared differences of the samples that do not fill a row, and how many."""
-        known = np.concatenate([self._before, self._row[: self._filled]])
+        known = np.concatenate([self._before, self._waiting.rest])
         phase = np.append(0.0, np.cumsum(known - known[:1]))
         fresh = self._before.size + 1
         every = _Level(1, self.sizes, known=phase[:fresh])
         every.add(phase[fresh:], fresh)
-        return np.array(every.sums), every.counts
+        return every.sums, every.counts
 
 
-def _passed(size: int) -> Float[np.ndarray, " row"]:
-    """|H|^2 of the difference of adjacent sums, 4 sin^4(n w/2)/sin^2(w/2), at w = pi k/row."""
+def _within(
+    power: Float[np.ndarray, " row"], sizes: Int[np.ndarray, " sizes"]
+) -> Float[np.ndarray, " sizes"]:
+    """Sums of squared differences in the circles of rows, from the power of their cosines.
+
+    The difference of adjacent sums passes |H|^2 = 4 sin^4(n w/2)/sin^2(w/2) at w = pi k/row.
+    """
     order = np.arange(1, ROW)
+    weighted = 4 * power[1:] / np.sin(np.pi * order / (2 * ROW)) ** 2
     # Sines of whole parts of a turn repeat.
-    numerator = _fourth_powers()[size * order % (2 * ROW)]
-    return np.append(0.0, 4 * numerator / np.sin(np.pi * order / (2 * ROW)) ** 2)
-
-
-@lru_cache(maxsize=1)
-def _fourth_powers() -> Float[np.ndarray, " turn"]:
-    return np.sin(np.pi * np.arange(2 * ROW) / (2 * ROW)) ** 4
+    fourth = np.sin(np.pi * np.arange(2 * ROW) / (2 * ROW)) ** 4
+    return np.array([weighted @ fourth[n * order % (2 * ROW)] for n in sizes.tolist()])
 
 
 def _phase(

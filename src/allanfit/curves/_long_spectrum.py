@@ -17,7 +17,7 @@ import numpy as np
 import scipy.fft
 from jaxtyping import Float
 
-from ._long import ROW
+from ._rows import ROW, Waiting
 from ._spectrum import RampProjection
 
 # An Allan variance of the same samples takes its rows from here.
@@ -89,29 +89,22 @@ class LongSpectrum:
         self._segments = np.zeros(_SEGMENT - _FIRST)
         #: The power of the cosines of all segments, by order from zero, with the ramp in it.
         self.power = np.zeros(_SEGMENT)
-        #: Samples that fill no segment yet, or fill one that may be the whole stretch.
-        self._waiting = np.empty(_SEGMENT)
-        self._filled = 0
+        # One more sample than a segment tells that the stretch is a long one.
+        self._waiting = Waiting(_SEGMENT)
         self._smooth: list[Float[np.ndarray, "places 3"]] = []
         self._offset = 0.0
 
     def add(self, block: Float[np.ndarray, " samples"]) -> None:
         """Take the next samples, finite ones, of the present stretch."""
-        if block.size and not self._filled:
+        if block.size and not self._waiting.rest.size:
             self._offset = float(block.mean())
-        while block.size:
-            # One more sample than a segment tells that the stretch is a long one.
-            if self._filled == _SEGMENT:
-                self._add_segment(self._waiting)
-                self._filled = 0
-            some = block[: _SEGMENT - self._filled]
-            np.subtract(some, self._offset, out=self._waiting[self._filled :][: some.size])
-            self._filled += some.size
-            block = block[some.size :]
+        for segment in self._waiting.add(block):
+            segment -= self._offset
+            self._add_segment(segment)
 
     def end_stretch(self) -> Float[np.ndarray, " modes"]:
         """The first coefficients of the stretch that ends, the ramp in them."""
-        rest = self._waiting[: self._filled]
+        rest = self._waiting.rest - self._offset
         if not self._smooth:
             part, coefficients = Part(rest.size, 2, rest.size - 1), _cosine(rest)
             if rest.size == _SEGMENT:
@@ -126,7 +119,8 @@ class LongSpectrum:
                     self._add(short, 2 * _ordinates(short, _cosine(rest)))
             part, coefficients = _low_coefficients(np.concatenate(self._smooth))
         self._add(part, 2 * _ordinates(part, coefficients))
-        self._filled, self._smooth = 0, []
+        self._waiting.clear()
+        self._smooth = []
         return coefficients
 
     def sums(self) -> Float[np.ndarray, " slots"]:

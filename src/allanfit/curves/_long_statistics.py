@@ -48,6 +48,9 @@ class LongStatistics:
         self._short: list[Float[np.ndarray, " samples"]] = []
         self._length = 0
         self._total = 0.0
+        #: The first sample of the present stretch, and whether any differed from its stretch's first.
+        self._level: float | None = None
+        self._varies = False
 
     @property
     def lengths(self) -> tuple[int, ...]:
@@ -57,7 +60,7 @@ class LongStatistics:
     @property
     def constant(self) -> bool:
         """Whether no two neighbours in these stretches differ."""
-        return not self._allan.value()[0] > 0
+        return not self._varies
 
     @property
     def mean(self) -> float:
@@ -75,6 +78,9 @@ class LongStatistics:
             return
         block = np.concatenate([*self._short, block]) if self._short else block
         self._short = []
+        if self._level is None:
+            self._level = float(block[0])
+        self._varies = self._varies or bool(np.any(block != self._level))
         self._await_spectrum()
         self._spectral = self._beside.submit(self._spectrum.add, block)
         self._allan.add(block)
@@ -88,7 +94,7 @@ class LongStatistics:
             odd = self._spectrum.end_stretch()[: 2 * RAMP_MODES : 2]
             self._odd_modes.append(np.pad(odd, (0, RAMP_MODES - len(odd))))
             self._lengths.append(self._length)
-        self._short, self._length = [], 0
+        self._short, self._length, self._level = [], 0, None
 
     def _await_spectrum(self) -> None:
         """No more than one block waits, so that memory stays bounded."""
