@@ -48,7 +48,7 @@ class LongStatistics:
         self._short: list[Float[np.ndarray, " samples"]] = []
         self._length = 0
         self._total = 0.0
-        #: The first sample of the present stretch, and whether any differed from its stretch's first.
+        #: The first sample of the present stretch, and whether any was not like its stretch's.
         self._level: float | None = None
         self._varies = False
 

@@ -10,9 +10,9 @@ from ..recording._checks import usable
 from ._course_shapes import draw_courses
 from ._effect import Effect
 from ._intervals import runs
-from ._lasting import USUAL
 from ._line_parts import merged
 from ._posterior import Draws
+from ._spikes import USUAL
 from ._state import Finding, Investigation, Unknown
 from ._structure import (
     DROOPING,

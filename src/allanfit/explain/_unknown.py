@@ -25,12 +25,13 @@ from ._climb import filter_slopes
 from ._harmonics import Line, families
 from ._held_out_values import of_swing
 from ._intervals import runs
-from ._lasting import USUAL, forget_loud_times
+from ._lasting import forget_loud_times
 from ._leakage import take_bump
 from ._line_or_resonance import tell_apart
 from ._narrow import narrow_groups, narrow_noises
 from ._ordinates import points
 from ._search import Model
+from ._spikes import USUAL
 from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, Unknown, whitened_piece
 from ._structure import EACH, TERMS, UNNAMED

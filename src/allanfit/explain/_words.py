@@ -6,7 +6,7 @@ from typing import Any
 from ..physics import held_factor
 from ._effect import Effect
 from ._harmonics import Family
-from ._lasting import USUAL
+from ._spikes import USUAL
 
 Parameters = dict[str, dict[str, Any]]
 

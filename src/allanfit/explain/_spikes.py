@@ -1,0 +1,149 @@
+"""Values that are larger than normal noise has them: outliers, and noise with long tails."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.fft import irfft
+
+from . import _discrete
+from ._held_out_values import of_events, of_spikes
+from ._ordinates import amplitudes
+from ._skewness import leans
+from ._spread import Contamination, contamination
+from ._state import Finding, Investigation, rebin
+
+# Spikes more frequent than this are what the noise is like: cut out, they would take its spectrum
+# with them.
+_RARE = 0.05
+# And where so many samples have them, they are the noise itself, which has long tails.
+USUAL = 0.08
+# Such noise, and spikes no larger than the noise, are told from a strong effect that is not normal
+# by this gain over a normal one.
+_LONG_TAILED = 60.0
+# Samples of the whitening kernel; uniform parts that are narrower are as good as normal, and so
+# much of the variance is uniform at most.
+_KERNEL = 4096
+_NARROWEST, _MOST_UNIFORM = 0.02, 0.9
+
+
+def name_spikes(
+    state: Investigation,
+    even: Float[np.ndarray, " looked_at"],
+    mean: Float[np.ndarray, " ordinates"],
+    seed: int,
+) -> None:
+    """Name values that are larger than normal noise has them, and count them out of N."""
+    boxes = _uniform_parts(state, mean)
+    spiky = contamination(even, seed, boxes)
+    state.witness(
+        "outliers",
+        spiky.gain,
+        spiky.p_value,
+        "Two normal distributions against one, on the whitened record.",
+    )
+    spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
+    # Small ones, or noise with long tails. A mixture of two shapes of one width has short tails.
+    tails = spiky.gain > _LONG_TAILED and spiky.amplitude > spiky.sigma / 2
+    if state.contamination is not None or not (spikes or tails):
+        return
+    height = height_of(mean)
+    _take_spikes(state, spiky, height)
+    state.gains["outliers"] = of_spikes(even, boxes, seed)
+    state.leans = leans(even, spiky.fraction)
+    clear = np.abs(even) > spiky.threshold
+    if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
+        wrong = 0.0
+    elif clear.mean() < _RARE:
+        _excise(state, clear, mean, seed)
+        wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
+    else:
+        wrong = float(np.var(even)) - spiky.sigma**2
+    state.foreign += max(wrong, 0.0) / height**2
+
+
+def name_clear_spikes(
+    state: Investigation, even: Float[np.ndarray, " looked_at"], height: float, seed: int
+) -> None:
+    """Spikes that no rounding makes, among values that are not normal."""
+    found = _discrete.clear_spikes(state, even, height, seed)
+    if found is None or state.contamination is not None or found[0].p_value >= state.alarm:
+        return
+    spiky, clear = found
+    _take_spikes(state, spiky, height)
+    state.gains["outliers"] = of_events(clear, spiky.p_value)
+    if clear.mean() < _RARE:
+        wrong = _discrete.unseen(spiky)
+        state.values = _discrete.replaced(state.values, state.looked_at[clear], seed)
+        _read_again(state)
+    else:
+        wrong = float(np.var(even)) - spiky.sigma**2
+    state.foreign += max(wrong, 0.0) / height**2
+
+
+def _take_spikes(state: Investigation, spiky: Contamination, height: float) -> None:
+    state.contamination = _in_units(spiky, height)
+    log_p = np.log(max(spiky.p_value, 1e-300))
+    state.findings.append(Finding("outliers", log_p, spiky.gain, {}, state.contamination))
+
+
+def height_of(mean: Float[np.ndarray, " ordinates"]) -> float:
+    """How tall a spike of one unit is in the record that is whitened to this `mean`."""
+    return float(np.mean(1 / np.sqrt(mean / 2)))
+
+
+def _uniform_parts(
+    state: Investigation, mean: Float[np.ndarray, " ordinates"]
+) -> tuple[float, ...]:
+    """Half-widths of what is uniform in a whitened sample, in standard deviations.
+
+    The error of an angle that is rounded is uniform, and a whitened sample holds several of them.
+    """
+    if state.model.kinds.shaping is not None:
+        return ()
+    frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
+    density = np.interp(frequency, state.left.frequency, mean / 2)
+    difference = 1 - np.exp(-2j * np.pi * frequency)
+    kernel = np.asarray(irfft(difference / np.sqrt(density), _KERNEL))
+    deviation = float(np.exp(state.model.theta[0] / 2))
+    half = np.sort(np.sqrt(3) * deviation * np.abs(kernel))[::-1]
+    half = half[half > _NARROWEST]
+    share = float(np.sum(half**2)) / 3
+    half *= np.sqrt(min(1.0, _MOST_UNIFORM / share)) if share else 1.0
+    return tuple(float(each) for each in half)
+
+
+def _in_units(found: Contamination, height: float) -> Contamination:
+    """In the unit of the record, where a spike of one unit stands `height` tall when whitened."""
+    scale = np.array([1.0, 1 / height, 1 / height])
+    return found._replace(
+        amplitude=found.amplitude / height, sigma=found.sigma / height, draws=found.draws * scale
+    )
+
+
+def _excise(
+    state: Investigation,
+    clear: Bool[np.ndarray, " looked_at"],
+    mean: Float[np.ndarray, " ordinates"],
+    seed: int,
+) -> None:
+    """Put neighbours' means with noise of their own in place of spikes, for the analysis alone.
+
+    Without that noise the spectrum would lack what was replaced. It is as strong as what all other
+    samples leave open about one: the harmonic mean of the spectrum, which of white noise is all of
+    it, and behind a filter nearly nothing.
+    """
+    noise = np.sqrt(1 / np.mean(2 / mean)) * np.random.default_rng(seed).normal(size=clear.sum())
+    values = state.values.copy()
+    good, wrong = state.looked_at[~clear], state.looked_at[clear]
+    for at, own in zip(wrong, noise, strict=True):
+        place = int(np.searchsorted(good, at))
+        near = good[max(place - 4, 0) : place + 4]
+        values[at] = values[near].mean() + own
+    state.values = values
+    _read_again(state)
+
+
+def _read_again(state: Investigation) -> None:
+    """The spectrum of the values as they are now."""
+    parts = tuple(state.values[start:stop] for start, stop in state.pieces)
+    state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
+    rebin(state)
