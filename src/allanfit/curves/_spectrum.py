@@ -91,18 +91,19 @@ class RampProjection(eqx.Module):
         return of.where(first, 1.0, direction / (1 + direction[0]))
 
     def project(
-        self, coefficients: Float[Array, " modes"] | Float[np.ndarray, " modes"]
+        self, coefficients: Float[Array, " some"] | Float[np.ndarray, " some"]
     ) -> Float[Array, " rest"] | Float[np.ndarray, " rest"]:
         """Coefficients of order 2 and up that no ramp can change [u]; linear in its argument.
 
-        On the host if the coefficients are there.
+        On the host if the coefficients are there. Fewer are the first, where the others are zero.
         """
         of = jnp if isinstance(coefficients, jax.Array) else np
-        weight = _weight(of.arange(1, self.modes + 1).astype(coefficients.dtype))
-        direction = of.asarray(self.odd_direction, coefficients.dtype)
+        modes = coefficients.shape[0]
+        weight = _weight(of.arange(1, modes + 1).astype(coefficients.dtype))
         odd = (coefficients * weight)[::2]
+        direction = of.asarray(self.odd_direction[: odd.shape[0]], coefficients.dtype)
         mixed = odd[0] + of.sum(odd[1:] * direction[1:]) / (1 + direction[0])
-        return coefficients[1:] - _among_zeros(direction * mixed, self.modes)[1:] / weight[1:]
+        return coefficients[1:] - _among_zeros(direction * mixed, modes)[1:] / weight[1:]
 
     def __call__(
         self, coefficients: Float[Array, " modes"] | Float[np.ndarray, " modes"]

@@ -1,6 +1,6 @@
 """Courses with the shape that fits best: when, how fast, how late."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,8 @@ from ._course_scan import sharpened
 from ._lasting import loudness
 from ._means import Course
 from ._spread import Modulation
-from ._state import Investigation, evidence, resize, with_course
+from ._state import Investigation, evidence, moved_by, resize, summed, with_course
+from ._sums import Summing
 
 # Periods in the record from one place of the scan for slow oscillations to the next.
 _BETWEEN = 0.1
@@ -69,8 +70,8 @@ def _slow_line(state: Investigation, course: Course) -> Course:
             lambda tried: -with_course(state, tried).cost,
         )
         sized = with_course(state, course)
-        variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
-        density = np.interp(course.shape["frequency"], sized.left.frequency, variance)
+        variance = _means.ordinate_variance(state.spectrum, sized.model, sized.data)
+        density = np.interp(course.shape["frequency"], state.spectrum.frequency, variance)
         amplitude = float(np.hypot(*sized.sizes[-2:]))
         spread = float(np.sqrt(density / (amplitude**2 * moment)) / (2 * np.pi))
     course.shape["deviation"] = spread
@@ -82,12 +83,12 @@ def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulati
     changing = state.modulation
     assert changing is not None
     sized = with_course(state, course)
-    variance = _means.ordinate_variance(sized.left, sized.model, sized.data)
+    variance = _means.ordinate_variance(state.spectrum, sized.model, sized.data)
     loud = state.flags(changing.loud)
     for piece in state.long_pieces:
         inside = slice(*piece)
         loud[inside] = sharpened(
-            loud[inside], changing.window, state.values[inside], sized.left, variance
+            loud[inside], changing.window, state.values[inside], state.spectrum, variance
         )
     moved = changing._replace(loud=loud[state.looked_at])
     better = course._replace(template=loudness(state, moved))
@@ -106,19 +107,20 @@ def together(state: Investigation) -> None:
         return
     before = np.log([state.courses[i].shape["time_constant"] for i in mine])
 
-    def moved(logs: Float[np.ndarray, " constants"]) -> list[Float[np.ndarray, "_ columns"]]:
-        every = list(state.moved)
-        for i, constant in zip(mine, np.exp(logs), strict=True):
-            every[i] = _means.moved_by(
-                _means.warm_up(float(constant), state.values.size), state.pieces
-            )
-        return every
+    def warm(logs: Float[np.ndarray, " constants"]) -> list[Course]:
+        return [_means.warm_up(float(constant), state.values.size) for constant in np.exp(logs)]
+
+    sums = summed(state).sums
+    others = [moved for i, moved in enumerate(state.moved) if i not in mine]
+    of_others = sums.of(others)
 
     def cost(logs: Float[np.ndarray, " constants"]) -> float:
-        every = np.concatenate(moved(logs), axis=1)
-        return _means.size_up(
-            state.spectrum, every, state.model, state.data, state.edges, shapes_too=False
-        ).cost
+        products, taken = of_others, list(others)
+        for course in warm(logs):
+            moved = moved_by(state, course)
+            products = sums.beside(products, taken, moved)
+            taken.append(moved)
+        return _means.size_up(products, sums, state.model, state.data).cost
 
     # What was found one by one may lie in a valley of its own.
     length = state.longest[1] - state.longest[0]
@@ -127,12 +129,10 @@ def together(state: Investigation) -> None:
     simplex = np.vstack([start, start + _SIMPLEX * np.eye(len(mine))])
     options = {"initial_simplex": simplex, "maxfev": _TRIES, "xatol": 1e-3, "fatol": 1e-2}
     best = minimize(cost, start, method="Nelder-Mead", options=options).x
-    state.moved = moved(best)
-    for i, constant in zip(mine, np.exp(best), strict=True):
+    for i, course in zip(mine, warm(best), strict=True):
         old = state.courses[i]
-        state.courses[i] = _means.warm_up(float(constant), state.values.size)._replace(
-            places=old.places, length=old.length
-        )
+        state.courses[i] = course._replace(places=old.places, length=old.length)
+        state.moved[i] = moved_by(state, course)
     resize(state)
 
 
@@ -146,20 +146,22 @@ def draw_courses(
     that a course stands in is known from few ordinates only, which makes normal draws Student's.
     """
     assert state.sized is not None
-    sizes, columns = state.sized.sizes, [state.all_moved]
+    sizes, every = state.sized.sizes, list(state.moved)
     ends = np.cumsum([0, *(course.sizes for course in state.courses)])
     mine = [i for i, course in enumerate(state.courses) if course.name == "warm_up"]
     for i in mine:
         course = state.courses[i]
         late = np.arange(state.values.size)[:, None] / course.shape["time_constant"]
         slope = course._replace(template=sizes[ends[i]] * late * course.template)
-        columns.append(_means.moved_by(slope, state.pieces))
-    every = np.concatenate(columns, axis=1)
-    variance = _means.ordinate_variance(state.left, state.model, state.data)
-    seen = state.spectrum.clean(state.spectrum.frequency)
-    covariance = _means.covariance_of(every, variance, seen)
+        every.append(moved_by(state, slope))
+    # With the noise in its bins as it was found in the end.
+    products = Summing(state.spectrum, state.edges, state.variance).of(every)
+    covariance = _means.covariance_of(products, state.model, state.data)
     apart = rng.multivariate_normal(np.zeros(len(covariance)), covariance, draws, method="svd")
-    known = [_means.knowledge(moved, state.left, state.model, state.data) for moved in state.moved]
+    known = [
+        _means.knowledge(products, slice(*between), state.model, state.data)
+        for between in pairwise(ends)
+    ]
     owner = [*np.repeat(np.arange(len(known)), np.diff(ends)), *mine]
     wider = [np.sqrt(each / rng.chisquare(each, draws)) for each in known]
     apart *= np.column_stack([wider[i] for i in owner])

@@ -86,7 +86,7 @@ def _density(fit: Fit, state: Investigation, course):
     spectrum, data = state.spectrum, state.data
     total = state.variance
     if state.sized is not None and course is not None:
-        moved = spectrum.amplitude - state.sized.left.amplitude
+        moved = spectrum.amplitude - state.left.amplitude
         total = total + moved**2
     at = spectrum.frequency
     if state.stride > 1:

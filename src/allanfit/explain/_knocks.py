@@ -8,7 +8,16 @@ from ._bursts import Burst
 from ._held_out_values import of_times
 from ._intervals import runs, widened
 from ._spread import Modulation
-from ._state import Finding, Investigation, add_course, evidence, whitened_pieces, with_course
+from ._state import (
+    Finding,
+    Investigation,
+    add_course,
+    evidence,
+    go_back,
+    remembered,
+    whitened_pieces,
+    with_course,
+)
 
 # A knock is cut out with so many windows on either side.
 _MARGIN = 2
@@ -102,8 +111,7 @@ def steps_instead(state: Investigation, changing: Modulation) -> bool:
     found = runs(state.flags(changing.loud))
     if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
         return False
-    before = (list(state.courses), list(state.moved), state.sized, state.model, state.data)
-    taken: list[Finding] = []
+    before = remembered(state)
     for a, b in found:
         middle, half = (a + b) / 2, max((b - a) / 2, changing.window)
         course = _means.polish(
@@ -116,11 +124,8 @@ def steps_instead(state: Investigation, changing: Modulation) -> bool:
         gain, log_p = evidence(state, course)
         if log_p > 2 * np.log(state.alarm):
             break
-        finding = Finding("step", log_p, gain)
-        add_course(state, course, finding)
-        taken.append(finding)
+        add_course(state, course, Finding("step", log_p, gain))
     else:
         return True
-    state.courses, state.moved, state.sized, state.model, state.data = before
-    state.findings = [each for each in state.findings if each not in taken]
+    go_back(state, before)
     return False

@@ -10,15 +10,19 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from scipy.signal import lfilter
 
 from ._climb import log_scatter
-from ._ordinates import Ordinates, amplitudes, binned, points
-from ._search import Model, best, mean_density, rescaled
+from ._ordinates import Ordinates, amplitudes, points
+from ._search import Model, mean_density, rescaled
 from ._structure import EACH, HIGH_PASS, TERMS, Data, shaped
+from ._sums import Moved, Products, Summing
 
 _ROUNDS = 3
+# What changes as slowly as a step at most, and how far below the top of what is slow a sinusoid is.
+_SLOW = ("step", "warm_up", "temperature")
+_FAR = 8.0
 
 Template = Float[np.ndarray, "samples columns"]
 
@@ -45,11 +49,8 @@ class Sized(NamedTuple):
     """Courses with their sizes, jointly, and the noise that is left."""
 
     sizes: Float[np.ndarray, " columns"]
-    covariance: Float[np.ndarray, "columns columns"]
     model: Model
     data: Data
-    #: The ordinates less the courses.
-    left: Ordinates
     #: Minus twice the log-likelihood, up to a constant that all models of the record share.
     cost: float
 
@@ -88,65 +89,52 @@ def fallen(
     return part
 
 
-def size_up(
-    spectrum: Ordinates,
-    moved: Float[np.ndarray, "ordinates columns"],
-    model: Model,
-    data: Data,
-    edges: Float[np.ndarray, " edges"],
-    *,
-    shapes_too: bool,
-) -> Sized:
-    """Sizes of courses with the noise fitted again beside them.
+def size_up(products: Products, summing: Summing, model: Model, data: Data) -> Sized:
+    """Sizes of courses with the powers of the noise fitted again beside them.
 
-    `moved` holds the amplitudes of the ordinates of each column of the courses. Of the noise the
-    powers are fitted, and with `shapes_too` in the end all else.
+    `products` are those of the courses, by `summing`.
     """
-    sizes, covariance = np.zeros(moved.shape[1]), np.zeros((moved.shape[1],) * 2)
-    left = spectrum
+    sizes = np.zeros(products.plain.shape[1] - 1)
+    bins = summing.bins
     for _ in range(_ROUNDS):
-        variance = ordinate_variance(spectrum, model, data)
-        seen = spectrum.clean(spectrum.frequency)
-        covariance = covariance_of(moved, variance, seen)
-        weighted = np.where(seen, 1 / variance, 0.0)[:, None] * moved
-        sizes = covariance @ (weighted.T @ spectrum.amplitude)
-        left = spectrum.less(moved @ sizes)
-        data = data._replace(bins=binned(left, edges))
+        gram = _weighted(products, model, data)
+        sizes = _inverse(gram[1:, 1:]) @ gram[1:, 0]
+        density = np.array(bins.density)
+        density[bins.used] = products.less(sizes) / summing.count
+        data = data._replace(bins=bins._replace(density=density))
         model = rescaled(model, data)
-    if shapes_too:
-        model = best([(model.kinds, model.theta)], data)[0]
-    return Sized(sizes, covariance, model, data, left, cost(model, data))
+    return Sized(sizes, model, data, cost(model, data))
 
 
 def covariance_of(
-    moved: Float[np.ndarray, "ordinates columns"],
-    variance: Float[np.ndarray, " ordinates"],
-    seen: Bool[np.ndarray, " ordinates"],
+    products: Products, model: Model, data: Data
 ) -> Float[np.ndarray, "columns columns"]:
-    """Of the sizes of columns, by generalised least squares on the ordinates that are seen."""
-    information = (np.where(seen, 1 / variance, 0.0)[:, None] * moved).T @ moved
+    """Of the sizes of courses, by generalised least squares on the ordinates that are seen."""
+    return _inverse(_weighted(products, model, data)[1:, 1:])
+
+
+def _weighted(products: Products, model: Model, data: Data) -> Float[np.ndarray, "columns columns"]:
+    return np.tensordot(1 / mean_density(model, data)[data.bins.used], products.weighted, 1)
+
+
+def _inverse(information: Float[np.ndarray, "columns columns"]):
     unit = np.sqrt(np.maximum(np.diag(information), 1e-300))
     inverse = np.linalg.pinv(information / unit / unit[:, None], rcond=1e-10, hermitian=True)
     return inverse / unit / unit[:, None]
 
 
-def knowledge(
-    moved: Float[np.ndarray, "ordinates columns"],
-    spectrum: Ordinates,
-    model: Model,
-    data: Data,
-) -> float:
+def knowledge(products: Products, columns: slice, model: Model, data: Data) -> float:
     """How well the noise is known where a course is: as from so many ordinates of one variance.
 
-    Of n such ordinates the log of the variance would scatter with 2/n; the fit's own scatter comes
-    from its Fisher information.
+    Its `columns` are counted among those of all courses. Of n such ordinates the log of the
+    variance would scatter with 2/n; the fit's own scatter comes from its Fisher information.
     """
     slopes, covariance = log_scatter(model.theta, model.kinds, data)
     used = data.bins.used
-    scatter = np.einsum("bi,ij,bj->b", slopes, covariance, slopes)
-    at = np.interp(np.log(spectrum.frequency), np.log(data.bins.frequency[used]), scatter[used])
-    weight = np.sum(moved**2, axis=1) / ordinate_variance(spectrum, model, data)
-    return float(2 * weight.sum() / max(weight @ at, 1e-300))
+    scatter = np.einsum("bi,ij,bj->b", slopes[used], covariance, slopes[used])
+    energy = np.einsum("bii->bi", products.weighted)[:, 1:][:, columns].sum(axis=1)
+    weight = energy / mean_density(model, data)[used]
+    return float(2 * weight.sum() / max(weight @ scatter, 1e-300))
 
 
 def oscillation(
@@ -210,13 +198,17 @@ def polish(
     return best_course._replace(places=course.places, length=course.length)
 
 
-def moved_by(
-    course: Course, pieces: tuple[tuple[int, int], ...]
-) -> Float[np.ndarray, "ordinates columns"]:
-    """The amplitudes of the ordinates of each column of a course."""
+def moved_by(course: Course, pieces: tuple[tuple[int, int], ...], slow_top: float) -> Moved:
+    """The amplitudes of the ordinates of each column of a course.
+
+    Of one that is slow up to a frequency of `slow_top` [cycles per sample]: beyond there is nothing
+    of it that is not lost in the noise.
+    """
+    slow = course.name in _SLOW or course.shape.get("frequency", 0.5) < slow_top / _FAR
+    top = slow_top if slow else 0.5
     return np.column_stack(
         [
-            amplitudes(tuple(column[start:stop] for start, stop in pieces))
+            amplitudes(tuple(column[start:stop] for start, stop in pieces), top)
             for column in course.template.T
         ]
     )

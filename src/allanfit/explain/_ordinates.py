@@ -28,6 +28,10 @@ _NEAR_NYQUIST = (0.05, 5e-4)
 _BINS_NEAR_NYQUIST = 24
 #: What leaks comes at the ends of the record, where a tenth of the noise is a disturbance.
 LEAST = 10.0
+# Of so many blocks for each of the first cosine coefficients, means give these within (pi/4)^2/24.
+_BLOCKS_A_MODE = 4
+# An order that is at a frequency to this part counts as there.
+_ROUNDED = 1e-6
 # Bins that a line fills at most.
 _NARROW = 5
 # Above this frequency [cycles per sample] the largest density says what the ends may leak.
@@ -126,19 +130,39 @@ def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -
     )
 
 
-def amplitudes(pieces: tuple[Float[np.ndarray, " _"], ...]) -> Float[np.ndarray, " ordinates"]:
-    """Signed amplitudes of the ordinates of anything with a value at each sample."""
+def amplitudes(
+    pieces: tuple[Float[np.ndarray, " _"], ...], top: float = 0.5
+) -> Float[np.ndarray, " ordinates"]:
+    """Signed amplitudes of the ordinates of anything with a value at each sample.
+
+    Those up to a frequency of `top` only [cycles per sample], to a part in 40 of what is there.
+    """
     # On the host: between gaps no two stretches are alike, and each length would be compiled.
+    modes = [min(x.size - 1, int(2 * x.size * top + _ROUNDED)) for x in pieces]
     found = [
-        np.asarray(
-            _projection(x.size).project(np.asarray(scipy.fft.dct(x - x.mean(), norm="ortho"))[1:])
-        )
-        for x in pieces
+        np.asarray(_projection(x.size).project(_coefficients(x, most)))
+        for x, most in zip(pieces, modes, strict=True)
+        if most > 0
     ]
-    if len(pieces) == 1:
+    if len(found) == 1:
         return 2**0.5 * found[0]
-    whole = np.concatenate([np.arange(2, x.size) / (2 * x.size) for x in pieces])
+    whole = np.concatenate(
+        [np.arange(2, most + 1) / (2 * x.size) for x, most in zip(pieces, modes, strict=True)]
+    )
     return 2**0.5 * np.concatenate(found)[np.argsort(whole, kind="stable")]
+
+
+def _coefficients(x: Float[np.ndarray, " samples"], modes: int) -> Float[np.ndarray, " modes"]:
+    """The first cosine coefficients; from means over blocks where they are few."""
+    blocks = 2 ** int(np.ceil(np.log2(_BLOCKS_A_MODE * modes)))
+    calm = x - x.mean()
+    if blocks < x.size:
+        # Of equal length, not of whole samples, so that the basis is that of all samples.
+        edges = np.linspace(0.0, x.size, blocks + 1)
+        index = np.minimum(edges.astype(int), x.size - 1)
+        sums = np.cumsum(calm)[index] - (index + 1 - edges) * calm[index]
+        calm = np.diff(sums) * np.sqrt(blocks / x.size)
+    return np.asarray(scipy.fft.dct(calm, norm="ortho"))[1 : modes + 1]
 
 
 @lru_cache(maxsize=32)
@@ -182,11 +206,7 @@ def binned(
         kept &= spectrum.fold == fold
     whole = bool(kept.all())
     frequency = spectrum.frequency if whole else spectrum.frequency[kept]
-    # In order of frequency each bin is a run of them; the outermost bins take the rest.
-    starts = np.searchsorted(frequency, edges[:-1])
-    starts[0] = 0
-    count = np.diff(starts, append=frequency.size)
-    starts, count = starts[count > 0], count[count > 0]
+    starts, _, count = runs_between(frequency, edges)
 
     def mean(values: Float[np.ndarray, "ordinates *columns"]) -> Float[np.ndarray, "bins *columns"]:
         sums = np.add.reduceat(values if whole else values[kept], starts)
@@ -206,6 +226,27 @@ def binned(
         np.pad(count / (2 * spectrum.dilution), (0, padding)),
         np.pad(nodes, ((0, padding), (0, 0)), constant_values=0.25),
     )
+
+
+def runs_between(
+    frequency: Float[np.ndarray, " ordinates"],
+    edges: Float[np.ndarray, " edges"],
+    kept: Bool[np.ndarray, " ordinates"] | None = None,
+) -> tuple[Int[np.ndarray, " bins"], Int[np.ndarray, " bins"], Int[np.ndarray, " bins"]]:
+    """Where the bins that hold ordinates start and stop among them, and how many are `kept` there.
+
+    In order of frequency each bin is a run of them; the outermost bins take the rest.
+    """
+    starts = np.searchsorted(frequency, edges[:-1])
+    starts[0] = 0
+    stops = np.append(starts[1:], frequency.size)
+    if kept is None:
+        count = stops - starts
+    else:
+        before = np.append(0, np.cumsum(kept))
+        count = before[stops] - before[starts]
+    held = count > 0
+    return starts[held], stops[held], count[held]
 
 
 def above_leakage(spectrum: Ordinates, bins: Bins) -> Ordinates:

@@ -18,6 +18,7 @@ from ._search import Candidate, rarity
 from ._state import (
     Finding,
     Investigation,
+    Searched,
     add_course,
     drop_courses,
     evidence,
@@ -68,7 +69,11 @@ class Option(NamedTuple):
 
 def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     """One more effect, if any is needed; says whether one was."""
-    found = options(state, drivers)
+    lines, courses = _line_options(state), _course_options(state, drivers)
+    if lines and lines[0].name == _LINE and _is_first(state, lines, courses):
+        lines[0].take({})
+        return True
+    found = _finite(lines + _smooth_options(state) + courses)
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
     alarms = [option for option in found if option.log_p < np.log(state.alarm)]
     if not alarms:
@@ -127,9 +132,22 @@ def take_strong_lines(state: Investigation) -> None:
         found[0].take({})
 
 
-def options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
-    """All that a round may choose from, each with what it would gain."""
-    found = _line_options(state) + _smooth_options(state) + _course_options(state, drivers)
+def _is_first(state: Investigation, lines: list[Option], courses: list[Option]) -> bool:
+    """Whether a line is the first to take, known without a search for smooth effects.
+
+    That takes most of a round, and of a record with many lines as many. A line that was taken left
+    the rest as it was, so that what each effect gains is near the place where it was found before.
+    """
+    found = state.searched
+    if found is None or found.of != (state.model.kinds, len(state.peaks)):
+        return False
+    near = [_search.again(each, state.model, state.data) for each in found.candidates]
+    every = _finite(lines + [_smooth_option(state, each) for each in near] + courses)
+    alarms = [option for option in every if option.log_p < np.log(state.alarm)]
+    return lines[0] in alarms and _choice(state, alarms)[0] is lines[0]
+
+
+def _finite(found: list[Option]) -> list[Option]:
     return [option for option in found if np.isfinite(option.log_p)]
 
 
@@ -291,31 +309,27 @@ def _sharp(peak: Peak, samples: int) -> bool:
 
 def _smooth_options(state: Investigation) -> list[Option]:
     pairs = tuple((peak.frequency, peak.half_width) for peak in state.peaks)
-    options = []
-    for candidate in _search.candidates(state.model, state.data, pairs):
+    candidates = _search.candidates(state.model, state.data, pairs)
+    state.searched = Searched((state.model.kinds, len(state.peaks)), candidates)
+    return [_smooth_option(state, candidate) for candidate in candidates]
 
-        def take(rivals: dict[str, float], candidate: Candidate = candidate) -> None:
-            state.model = candidate.model
-            if state.model.kinds.angle_filtered:
-                leave_leakage(state)
-            if candidate.name == _DROOP:
-                # No effect of its own, but of what is found already.
-                return
-            state.findings.append(
-                Finding(
-                    candidate.name,
-                    log_chance(candidate.name, candidate.gain),
-                    candidate.gain,
-                    rivals,
-                )
-            )
 
-        worth = score(candidate.name, candidate.gain)
-        if candidate.name in (*NARROW, "gauss_markov"):
-            worth += rarity(candidate.model, state.data)
-        chance = log_chance(candidate.name, candidate.gain)
-        options.append(Option(candidate.name, chance, candidate.gain, worth, take))
-    return options
+def _smooth_option(state: Investigation, candidate: Candidate) -> Option:
+    chance = log_chance(candidate.name, candidate.gain)
+
+    def take(rivals: dict[str, float]) -> None:
+        state.model = candidate.model
+        if state.model.kinds.angle_filtered:
+            leave_leakage(state)
+        # Another shape of a filter is no effect of its own, but of what is found already.
+        if candidate.name != _DROOP:
+            finding = Finding(candidate.name, chance, candidate.gain, rivals)
+            state.findings.append(finding)
+
+    worth = score(candidate.name, candidate.gain)
+    if candidate.name in (*NARROW, "gauss_markov"):
+        worth += rarity(candidate.model, state.data)
+    return Option(candidate.name, chance, candidate.gain, worth, take)
 
 
 def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:

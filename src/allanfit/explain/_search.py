@@ -133,6 +133,12 @@ def candidates(
     ]
 
 
+def again(found: Candidate, model: Model, data: Data) -> Candidate:
+    """A candidate on data that are little different from those that it was found on."""
+    reached = best([(found.model.kinds, found.model.theta)], data)[0]
+    return found._replace(model=reached, gain=max(model.deviance - reached.deviance, 0.0))
+
+
 def bumps(model: Model, data: Data) -> list[Candidate]:
     """A bump, smooth or flat, or a lack toward low frequency, where nothing named helps."""
     if model.kinds.shaping is not None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from itertools import compress, pairwise
+from operator import is_not
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,8 +32,10 @@ from ._structure import (
     RUNNING_MEAN,
     TERMS,
     Data,
+    Kinds,
     sieve,
 )
+from ._sums import Moved, Products, Summing
 from ._whiten import level, whitened
 
 # Width of bins about a zero, as a part of its frequency.
@@ -42,7 +45,7 @@ _MANY = 100.0
 # Samples of which a spectrum's lowest ordinates are a small part.
 _LONG = 256
 # What changes when a course is taken, and taken back.
-_OF_COURSES = ("courses", "moved", "sized", "findings", "model", "data")
+_OF_COURSES = ("courses", "moved", "sized", "left_over", "findings", "model", "data")
 
 
 @dataclass
@@ -76,6 +79,25 @@ class Unknown(NamedTuple):
     times: tuple[tuple[int, int], ...] = ()
 
 
+class Summed(NamedTuple):
+    """Sums over bins of what some courses do, and for which structure and bins they were made."""
+
+    kinds: Kinds
+    edges: Float[np.ndarray, " edges"]
+    spectrum: Ordinates
+    sums: Summing
+    moved: tuple[Moved, ...]
+    products: Products
+
+
+class Searched(NamedTuple):
+    """What a search for smooth effects found."""
+
+    #: The structure, and how many peaks were known, when it was made.
+    of: tuple[Kinds, int]
+    candidates: list[Candidate]
+
+
 @dataclass
 class Investigation:
     """The state of knowledge of one channel."""
@@ -99,11 +121,16 @@ class Investigation:
     #: When each of `values` was taken, with all that were lost between them but for the breaks.
     place: Float[np.ndarray, " samples"]
     courses: list[Course] = field(default_factory=list)
-    #: The amplitudes of the ordinates of each course.
-    moved: list[Float[np.ndarray, "ordinates columns"]] = field(default_factory=list)
+    #: The amplitudes of the ordinates of each course, and the last sums over bins of `summed`.
+    moved: list[Moved] = field(default_factory=list)
+    last_summed: Summed | None = None
     sized: Sized | None = None
+    #: The ordinates less the courses, if there are any.
+    left_over: Ordinates | None = None
     findings: list[Finding] = field(default_factory=list)
     peaks: list[Peak] = field(default_factory=list)
+    #: The last search for smooth effects beside the model.
+    searched: Searched | None = None
     contamination: Contamination | None = None
     #: Log of the chance that the noise leans to one side as much, if it has long tails.
     leans: float = 0.0
@@ -143,7 +170,7 @@ class Investigation:
     @property
     def left(self) -> Ordinates:
         """The ordinates less the courses."""
-        return self.spectrum if self.sized is None else self.sized.left
+        return self.spectrum if self.left_over is None else self.left_over
 
     @property
     def longest(self) -> tuple[int, int]:
@@ -188,8 +215,9 @@ class Investigation:
     @property
     def all_moved(self) -> Float[np.ndarray, "ordinates columns"]:
         """The amplitudes of the ordinates of all courses, side by side."""
-        nothing = np.zeros((self.spectrum.frequency.size, 0))
-        return np.concatenate([nothing, *self.moved], axis=1)
+        rows = self.spectrum.frequency.size
+        every = [np.pad(moved, ((0, rows - len(moved)), (0, 0))) for moved in self.moved]
+        return np.concatenate([np.zeros((rows, 0)), *every], axis=1)
 
     @property
     def variance(self) -> Float[np.ndarray, " ordinates"]:
@@ -305,30 +333,60 @@ def finer_edges(state: Investigation) -> None:
     rebin(state)
 
 
+def summed(state: Investigation) -> Summed:
+    """Sums over the bins of what the courses do, made anew when what they depend on is another.
+
+    Where the noise is within its bins is a matter of its structure; its powers change it little.
+    """
+    old = state.last_summed
+    if (
+        old is None
+        or old.kinds != state.model.kinds
+        or old.edges is not state.edges
+        or old.spectrum is not state.spectrum
+    ):
+        sums = Summing(state.spectrum, state.edges, state.variance)
+        old = Summed(state.model.kinds, state.edges, state.spectrum, sums, (), sums.alone)
+    known = old.moved
+    if len(known) > len(state.moved) or any(map(is_not, known, state.moved)):
+        old = old._replace(products=old.sums.alone)
+        known = ()
+    products = old.products
+    for place in range(len(known), len(state.moved)):
+        products = old.sums.beside(products, state.moved[:place], state.moved[place])
+    state.last_summed = old._replace(moved=tuple(state.moved), products=products)
+    return state.last_summed
+
+
+def moved_by(state: Investigation, course: Course) -> Moved:
+    """The amplitudes of the ordinates of each column of a course."""
+    return _means.moved_by(course, state.pieces, summed(state).sums.slow_top)
+
+
 def with_course(state: Investigation, course: Course) -> Sized:
     """The courses and one more, with the noise fitted again beside them."""
-    return _beside(state, _means.moved_by(course, state.pieces))
+    return _beside(state, course)[0]
 
 
-def _beside(state: Investigation, moved: Float[np.ndarray, "ordinates columns"]) -> Sized:
-    every = np.concatenate([state.all_moved, moved], axis=1)
-    return _means.size_up(
-        state.spectrum, every, state.model, state.data, state.edges, shapes_too=False
-    )
+def _beside(state: Investigation, course: Course) -> tuple[Sized, Products]:
+    before = summed(state)
+    products = before.sums.beside(before.products, state.moved, moved_by(state, course))
+    return _means.size_up(products, before.sums, state.model, state.data), products
 
 
 def evidence(state: Investigation, course: Course) -> tuple[float, float]:
     """What one more course gains, and the log of the chance that noise alone gains as much."""
-    moved = _means.moved_by(course, state.pieces)
-    gain = max(state.cost - _beside(state, moved).cost, 0.0)
-    known = _means.knowledge(moved, state.left, state.model, state.data)
+    sized, products = _beside(state, course)
+    gain = max(state.cost - sized.cost, 0.0)
+    mine = slice(-course.sizes, None)
+    known = _means.knowledge(products, mine, state.model, state.data)
     return gain, course_log_chance(gain, course.sizes, known, course.places, course.length)
 
 
 def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     """Take a course for real."""
     state.courses.append(course)
-    state.moved.append(_means.moved_by(course, state.pieces))
+    state.moved.append(moved_by(state, course))
     state.findings.append(finding)
     resize(state)
 
@@ -354,7 +412,7 @@ def drop_courses(state: Investigation, gone: list[Course]) -> None:
     state.courses = list(compress(state.courses, kept))
     state.moved = list(compress(state.moved, kept))
     if not state.courses:
-        state.sized = None
+        state.sized = state.left_over = None
     rebin(state)
 
 
@@ -365,10 +423,16 @@ def _is_one_of(one: object, many: Sequence[object]) -> bool:
 
 def resize(state: Investigation) -> None:
     """The courses beside the structure as it is now."""
-    state.sized = _means.size_up(
-        state.spectrum, state.all_moved, state.model, state.data, state.edges, shapes_too=True
-    )
-    state.model, state.data = state.sized.model, state.sized.data
+    found = summed(state)
+    state.sized = _means.size_up(found.products, found.sums, state.model, state.data)
+    amplitude, end = state.spectrum.amplitude.copy(), 0
+    for moved in state.moved:
+        begin, end = end, end + moved.shape[1]
+        amplitude[: len(moved)] -= moved @ state.sized.sizes[begin:end]
+    state.left_over = state.spectrum._replace(amplitude=amplitude)
+    state.data = state.sized.data._replace(bins=binned(state.left, state.edges))
+    powers = state.sized.model
+    state.model = _search.best([(powers.kinds, powers.theta)], state.data)[0]
 
 
 def whitened_pieces(
