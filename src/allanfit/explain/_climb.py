@@ -30,23 +30,30 @@ from ._structure import (
     without_droop,
 )
 
-_STEPS = 60
+MOST_STEPS = 60
 # Less than this in twice the log-likelihood is as good as nothing.
 LEAST_GAIN = 1e-4
 _LONGEST_STEP = 3.0
 # Single ordinates are asked for by so many.
 _LENGTH = 1024
-# Starts that climb together: eight wait for the last, and one would be as slow as two, and
-# compiled as well.
-TOGETHER = 2
+# Starts that climb together: one would be as slow as two, and of eight that go all the way each
+# waits for the last. Programs are compiled for as many.
+TOGETHER, ON_TRIAL = 2, 8
 
 Starts = Float[np.ndarray, "starts parameters"]
 
 
 def climb(
-    starts: Starts, kinds: Kinds, data: Data, least_gain: float = LEAST_GAIN
+    starts: Starts,
+    kinds: Kinds,
+    data: Data,
+    least_gain: float = LEAST_GAIN,
+    steps: int = MOST_STEPS,
 ) -> tuple[Starts, Float[np.ndarray, " starts"]]:
-    """Where each start leads, until a step gains less in deviance, and the deviance there."""
+    """Where each start leads, until a step gains less in deviance, and the deviance there.
+
+    After so many `steps` at most.
+    """
     moving, held = active(kinds, data.terms), held_columns(data)
 
     def mean(theta):
@@ -55,7 +62,7 @@ def climb(
     def slopes(theta):
         return _mean(theta, kinds, data, held, slopes=True)
 
-    return _ascend(np.array(starts), moving, mean, slopes, data, least_gain)
+    return _ascend(np.array(starts), moving, mean, slopes, data, least_gain, steps=steps)
 
 
 def rescale(
@@ -238,7 +245,14 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
 
 
 def _ascend(
-    theta, moving, mean, slopes, data: Data, least_gain: float, damping=None, steps: int = _STEPS
+    theta,
+    moving,
+    mean,
+    slopes,
+    data: Data,
+    least_gain: float,
+    damping=None,
+    steps: int = MOST_STEPS,
 ):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
     density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
@@ -287,8 +301,9 @@ def _ascend(
 
 def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: Any, samples: Any):
     """What a program gives for all starts, as NumPy arrays."""
-    # A single one is a pair of itself; walkers of a posterior come in many, always as many.
-    filled = np.concatenate([threes, threes]) if len(threes) == 1 else threes
+    # Filled up to sizes that are compiled; walkers of a posterior come in many, always as many.
+    size = next((each for each in (TOGETHER, ON_TRIAL) if len(threes) <= each), len(threes))
+    filled = np.pad(threes, ((0, size - len(threes)), (0, 0)), mode="edge")
     found = program(name, filled, nodes, samples)
     return jax.tree.map(lambda each: np.asarray(each)[: len(threes)], found)
 

@@ -53,7 +53,9 @@ class Summing:
         self._runs = list(zip(starts, stops, strict=True))
         self._kept = None if kept.all() else kept
         of_bin = np.add.reduceat(np.where(kept, variance, 0.0), starts) / count
-        self._weight = np.where(kept, np.repeat(of_bin, stops - starts) / variance, 0.0)
+        # Between bins are only ordinates that are not kept.
+        reach = np.diff(np.append(0, starts[1:]), append=kept.size)
+        self._weight = np.where(kept, np.repeat(of_bin, reach) / variance, 0.0)
         self._own = spectrum.amplitude[:, None]
         #: Ordinates above this frequency [cycles per sample] say nothing of slow courses.
         self.slow_top = _slow_top(spectrum.frequency[stops - 1], self.bins, of_bin)
