@@ -14,6 +14,7 @@ from allanfit.explain._effect import Effect
 from allanfit.explain._mismatch import Located
 from allanfit.explain._references import Reference, references, terms_of
 from allanfit.explain._same_effect import pairs
+from allanfit.explain._simulation import simulation_document
 from allanfit.identify import fit_series
 from allanfit.report._explain_rows import simulation_rows
 from allanfit.report._explain_verdict import simulation_sentence
@@ -187,6 +188,14 @@ def test_what_has_no_unit_is_in_the_recordings(tmp_path):
         (reference,) = references(simulation, recording, "point").values()
         # N of unit variance at 100 Hz is 0.1 deg/s/sqrt(Hz).
         assert reference.coefficients[1] == pytest.approx(0.1 * np.pi / 180, rel=0.1)
+        assert reference.unit_assumed
+        told = simulation_document(reference, None, recording.channels[0])
+        assert told["assumed_unit"] == "deg/s"
+        said = simulation_sentence({"simulation": told, "mismatch": []})
+        assert f"{simulation.name}, which gives no unit and is taken to be in deg/s: " in said
+    lines.write_text("unit: deg/s\nN: 0.1\n")
+    (reference,) = references(lines, recording, "point").values()
+    assert simulation_document(reference, None, recording.channels[0])["assumed_unit"] is None
 
 
 def test_each_channel_of_a_simulation_has_its_own_unit(tmp_path):

@@ -43,6 +43,8 @@ class Reference:
     frequency: Float[np.ndarray, " bins"] | None = None
     density: Float[np.ndarray, " bins"] | None = None
     ordinates: Float[np.ndarray, " bins"] | None = None
+    #: Whether it came without a unit, and is taken to be in the recording's.
+    unit_assumed: bool = False
     #: Effects that its file names and that no drawn recording shows as the real one does.
     undrawn: tuple[str, ...] = ()
 
@@ -67,7 +69,14 @@ def references(
         }
     else:
         drawn = simulation if isinstance(simulation, Recording) else _loaded(simulation, recording)
-        found = {channel.name: _of_channel(channel, drawn, sampling) for channel in drawn.channels}
+        assumed = not any(channel.unit for channel in drawn.channels)
+        if assumed:
+            channels = tuple(_in_unit(each, recording) for each in drawn.channels)
+            drawn = replace(drawn, channels=channels)
+        found = {
+            channel.name: replace(_of_channel(channel, drawn, sampling), unit_assumed=assumed)
+            for channel in drawn.channels
+        }
     chosen = _chosen(found, recording)
     for channel in recording.channels:
         other = chosen.get(channel.name)
@@ -102,12 +111,9 @@ def _chosen(found: dict[str, Reference], recording: Recording) -> dict[str, Refe
 def _loaded(path: Path | str, recording: Recording) -> Recording:
     # A simulator's file may leave out what the recording's user gave on the command line.
     try:
-        found = load(path)
+        return load(path)
     except NoRateError:
-        found = load(path, rate_hz=recording.rate_hz)
-    if any(channel.unit for channel in found.channels):
-        return found
-    return replace(found, channels=tuple(_in_unit(each, recording) for each in found.channels))
+        return load(path, rate_hz=recording.rate_hz)
 
 
 def _in_unit(channel: Channel, recording: Recording) -> Channel:
@@ -161,14 +167,22 @@ def _of_entry(
         )
         made = Recording(name, recording.rate_hz, (channel,), (), (), "")
         undrawn = tuple(each.name for each in si.effects if each.name in _UNDRAWN)
-        return replace(_of_channel(channel, made, sampling), undrawn=undrawn)
+        return replace(
+            _of_channel(channel, made, sampling), unit_assumed=not entry.unit, undrawn=undrawn
+        )
     values = [abs(float(entry.values.get(symbol, 0.0))) * unit.factor for symbol in SYMBOLS]
     if not any(values[:4]):
         raise ValueError(
             f"The simulation of {entry.channel} has no noise to compare: give one of Q, N, B and K."
         )
     return Reference(
-        np.array(values), np.zeros(len(SYMBOLS)), unit.name, unit.kind, name, entry.channel
+        np.array(values),
+        np.zeros(len(SYMBOLS)),
+        unit.name,
+        unit.kind,
+        name,
+        entry.channel,
+        unit_assumed=not entry.unit,
     )
 
 

@@ -17,7 +17,8 @@ from ._references import Reference
 def simulation_document(reference: Reference, fit: Fit | None, channel: Channel) -> dict[str, Any]:
     """Its file, channel and coefficients, in the unit of the `channel` that it is compared with.
 
-    `fit` is the best of a simulated recording, None for coefficients of a file.
+    `fit` is the best of a simulated recording, None for coefficients of a file. `assumed_unit` is
+    the unit that a simulation without one is taken to be in, null if it has one.
     """
     if fit is None:
         values = dict(zip(SYMBOLS, map(float, reference.coefficients), strict=True))
@@ -27,6 +28,7 @@ def simulation_document(reference: Reference, fit: Fit | None, channel: Channel)
     return {
         "recording": reference.recording,
         "channel": reference.channel,
+        "assumed_unit": (reference.unit or None) if reference.unit_assumed else None,
         "coefficients": coefficients,
     }
 

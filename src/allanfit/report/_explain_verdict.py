@@ -70,7 +70,10 @@ def simulation_sentence(channel: Mapping[str, Any]) -> str:
     if not simulation:
         return ""
     file, name = simulation["recording"], simulation["channel"]
-    which = f"Compared with {file if name == _ONLY else f'{name} of {file}'}: "
+    which = f"Compared with {file if name == _ONLY else f'{name} of {file}'}"
+    if simulation.get("assumed_unit"):
+        which += f", which gives no unit and is taken to be in {simulation['assumed_unit']}"
+    which += ": "
     causes = [entry for entry in channel["mismatch"] if entry.get("cause")]
     if not causes:
         return f"{which}the simulation agrees, no more differs than chance explains."
