@@ -285,3 +285,18 @@ def test_held_values_have_the_n_of_a_log_that_is_not_held(tmp_path, regular):
     assert {entry["coefficient"] for entry in channel["mismatch"]} == {None}
     assert "values that are repeated" in channel["mismatch"][0]["sentence"]
     assert channel["improvement"]["held_out_log_score"]["difference"] > 1000
+
+
+def test_a_step_of_a_simulation_is_told_with_its_time(tmp_path):
+    """No band of frequencies says when."""
+    rng = np.random.default_rng(8)
+    one, other = (rng.standard_normal(4 * SAMPLES) for _ in range(2))
+    other += 0.4 * (np.arange(other.size) >= 80 * RATE)
+    paths = [written(tmp_path / f"{i}.npz", x, "deg/s") for i, x in enumerate((one, other))]
+    found = explain_recording(allanfit.load(paths[0]), simulation=paths[1], posterior=False)
+    (channel,) = found.to_dict()["channels"]
+    assert channel["verdict"] == "consistent"
+    said = " ".join(entry["sentence"] for entry in channel["mismatch"])
+    (when,) = re.findall(r"a step of the bias, at ([0-9.]+) s", said)
+    # Six times what (sigma/step)^2 says in samples.
+    assert float(when) == pytest.approx(80, abs=0.4)

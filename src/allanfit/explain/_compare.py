@@ -26,6 +26,8 @@ _CLEAR = 1e-6
 _DOUBTFUL_PART = 0.1
 # What has no band of its own, or is broad.
 _BROAD = ("gauss_markov", "power_law", "random_telegraph")
+# What happens at times of its own.
+_AT_TIMES = ("step", "disturbance")
 
 #: The unit that a parameter of an effect is told in, and one such unit in SI and seconds.
 UnitOf = Callable[[Effect, str], tuple[str, float]]
@@ -213,7 +215,7 @@ def _of_physics(one: Difference, effects: _Effects) -> _Cause:
         return _Cause(_size_of(sized[0], effects.unit_of), both[0].name, None, both)
     is_ours = bool(here[0]) if not all(here) and any(here) else _is_more(one)
     chosen = here[0] if is_ours else here[1]
-    what = ", ".join({EFFECTS[each.effect.name].what: 0 for each in chosen})
+    what = ", ".join({_what(each): 0 for each in chosen})
     named = tuple(each.effect for each in chosen)
     if is_ours:
         said = "physics is absent from it" + (f" ({what})" if what else "")
@@ -221,6 +223,15 @@ def _of_physics(one: Difference, effects: _Effects) -> _Cause:
     return _Cause(
         f"it has {what or 'physics'}, which the recording has not", None, "recording", named
     )
+
+
+def _what(one: Located) -> str:
+    """The effect in words, and when, which no band of frequencies tells."""
+    what = EFFECTS[one.effect.name].what
+    if one.effect.name not in _AT_TIMES:
+        return what
+    low, high = (f"{one.entry[end]:.5g}" for end in ("low", "high"))
+    return f"{what}, at {low} s" if low == high else f"{what}, from {low} to {high} s"
 
 
 def _could(one: Located, more: bool) -> bool:
@@ -269,10 +280,11 @@ def _sized(pair: Pair, unit_of: UnitOf) -> Mismatch:
 
 def _unseen(one: Located, lacking: str) -> Mismatch:
     """What only one of the two has, and no band tells alone."""
-    entry, what = one.entry, EFFECTS[one.effect.name].what
+    entry, what = one.entry, _what(one)
     if lacking == "recording":
         said = f"The simulation has {what}, which the recording has not."
     else:
+        what = EFFECTS[one.effect.name].what
         said = f"{entry['sentence'].removesuffix('.')}: the simulation lacks {what}."
     return {**entry, "sentence": said, **_Cause(said, None, lacking).fields}
 
