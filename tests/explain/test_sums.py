@@ -5,6 +5,8 @@ import pytest
 
 from allanfit.explain import _means
 from allanfit.explain._ordinates import bin_edges, binned, less_bands, ordinates
+from allanfit.explain._search import five_terms
+from allanfit.explain._structure import Data
 from allanfit.explain._sums import Summing
 
 SAMPLES = 30_000
@@ -62,6 +64,21 @@ def test_slow_courses_need_no_more_than_low_ordinates(pieces):
         assert np.max(error / np.abs(full).max()) < 1e-3
         early = frequency < top / 8
         assert np.linalg.norm(error[early]) < 2e-3 * np.linalg.norm(full[: len(low)][early])
+
+
+def test_sizes_may_be_asked_for_in_bins_that_are_new():
+    """As when they are made finer about a peak; by least squares over all ordinates."""
+    spectrum, edges, variance, sums = record(WHOLE)
+    before = binned(spectrum, bin_edges(spectrum.longest))
+    data = Data(before, float(SAMPLES), 0.0, 1.0, np.ones(4, bool))
+    model = five_terms(np.array([0.0, 1.0, 0.0, 1e-4]), data)
+    (line,) = courses(WHOLE)[:1]
+    sized = _means.size_up(sums.of([line]), sums, model, data)
+    white = np.sqrt(variance)
+    expected = np.linalg.lstsq(line / white[:, None], spectrum.amplitude / white, rcond=None)[0]
+    # A standard deviation is 0.008.
+    np.testing.assert_allclose(sized.sizes, expected, atol=4e-4)
+    assert binned(spectrum, edges).density.size == sized.data.bins.density.size
 
 
 def test_what_is_beyond_the_top_of_slow_courses_is_a_part_in_a_hundred_thousand():

@@ -96,6 +96,8 @@ def size_up(products: Products, summing: Summing, model: Model, data: Data) -> S
     """
     sizes = np.zeros(products.plain.shape[1] - 1)
     bins = summing.bins
+    # The edges may be others than before.
+    data = data._replace(bins=bins)
     for _ in range(_ROUNDS):
         gram = _weighted(products, model, data)
         sizes = _inverse(gram[1:, 1:]) @ gram[1:, 0]
