@@ -22,7 +22,7 @@ from allanfit.curves import unit_scale
 from allanfit.explain._investigate import ALARM
 from allanfit.explain._lasting import about_spread
 from allanfit.explain._rounded import about_format
-from allanfit.explain._rounds import options
+from allanfit.explain._rounds import course_options, line_options, smooth_options
 from allanfit.explain._state import begin
 from allanfit.identify import fit_series
 
@@ -46,7 +46,9 @@ def evidence(seed: int, index: int, samples: int) -> dict:
     about_spread(state, 0)
     felt = log["temperature"] - log["temperature"].mean()
     best: dict[str, tuple[float, float]] = {}
-    for option in options(state, {"temperature": felt[:, None].astype(float)}):
+    drivers = {"temperature": felt[:, None].astype(float)}
+    options = line_options(state) + smooth_options(state) + course_options(state, drivers)
+    for option in (each for each in options if np.isfinite(each.log_p)):
         old = best.get(option.name, (0.0, 0.0))
         best[option.name] = max(old[0], option.gain), min(old[1], option.log_p)
     for witness in state.witnesses:

@@ -69,11 +69,11 @@ class Option(NamedTuple):
 
 def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     """One more effect, if any is needed; says whether one was."""
-    lines, courses = _line_options(state), _course_options(state, drivers)
+    lines, courses = line_options(state), course_options(state, drivers)
     if lines and lines[0].name == _LINE and _is_first(state, lines, courses):
         lines[0].take({})
         return True
-    found = _finite(lines + _smooth_options(state) + courses)
+    found = _finite(lines + smooth_options(state) + courses)
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
     alarms = [option for option in found if option.log_p < np.log(state.alarm)]
     if not alarms:
@@ -106,7 +106,7 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
     kept = remembered(state)
     course.take({})
     noise = min(
-        (each for each in _smooth_options(state) if each.name in _STAND_INS),
+        (each for each in smooth_options(state) if each.name in _STAND_INS),
         key=lambda option: option.log_p,
         default=None,
     )
@@ -126,7 +126,7 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
 def take_strong_lines(state: Investigation) -> None:
     """Lines so strong that what they leak hides whether the noise lasts."""
     for _ in range(_MOST_LINES):
-        found = _line_options(state)
+        found = line_options(state)
         if not found or found[0].gain < _STRONG or found[0].log_p > np.log(state.alarm):
             return
         found[0].take({})
@@ -177,7 +177,8 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
     return best, None
 
 
-def _line_options(state: Investigation) -> list[Option]:
+def line_options(state: Investigation) -> list[Option]:
+    """The narrow band that stands out most in the spectrum at full resolution, if any does."""
     piece = state.longest
     held = len(state.lines)
     white = whitened_piece(state, piece, ())
@@ -307,7 +308,8 @@ def _sharp(peak: Peak, samples: int) -> bool:
     return peak.half_width * samples <= _LINE_WIDTH / 2
 
 
-def _smooth_options(state: Investigation) -> list[Option]:
+def smooth_options(state: Investigation) -> list[Option]:
+    """Each effect of the spectrum, where it gains most beside what the model holds."""
     pairs = tuple((peak.frequency, peak.half_width) for peak in state.peaks)
     candidates = _search.candidates(state.model, state.data, pairs)
     state.searched = Searched((state.model.kinds, len(state.peaks)), candidates)
@@ -332,7 +334,8 @@ def _smooth_option(state: Investigation, candidate: Candidate) -> Option:
     return Option(candidate.name, chance, candidate.gain, worth, take)
 
 
-def _course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
+def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
+    """The courses in time that look most promising."""
     proposals = propose(
         state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
     )
