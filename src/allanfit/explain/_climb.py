@@ -303,7 +303,7 @@ def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: An
     """What a program gives for all starts, as NumPy arrays."""
     # Filled up to sizes that are compiled; walkers of a posterior come in many, always as many.
     size = next((each for each in (TOGETHER, ON_TRIAL) if len(threes) <= each), len(threes))
-    filled = np.pad(threes, ((0, size - len(threes)), (0, 0)), mode="edge")
+    filled = threes[np.minimum(np.arange(size), len(threes) - 1)]
     found = program(name, filled, nodes, samples)
     return jax.tree.map(lambda each: np.asarray(each)[: len(threes)], found)
 
