@@ -280,10 +280,11 @@ def _sized(pair: Pair, unit_of: UnitOf) -> Mismatch:
 
 def _unseen(one: Located, lacking: str) -> Mismatch:
     """What only one of the two has, and no band tells alone."""
-    entry, what = one.entry, _what(one)
+    entry = one.entry
     if lacking == "recording":
-        said = f"The simulation has {what}, which the recording has not."
+        said = f"The simulation has {_what(one)}, which the recording has not."
     else:
+        # Its sentence tells when.
         what = EFFECTS[one.effect.name].what
         said = f"{entry['sentence'].removesuffix('.')}: the simulation lacks {what}."
     return {**entry, "sentence": said, **_Cause(said, None, lacking).fields}

@@ -11,8 +11,9 @@ from . import _means
 from ._course_scan import sharpened
 from ._lasting import loudness
 from ._means import Course
+from ._refit import evidence, moved_by, resize, summed, with_course
 from ._spread import Modulation
-from ._state import Investigation, evidence, moved_by, resize, summed, with_course
+from ._state import Investigation
 from ._sums import Summing
 
 # Periods in the record from one place of the scan for slow oscillations to the next.
@@ -115,11 +116,7 @@ def together(state: Investigation) -> None:
     of_others = sums.of(others)
 
     def cost(logs: Float[np.ndarray, " constants"]) -> float:
-        products, taken = of_others, list(others)
-        for course in warm(logs):
-            moved = moved_by(state, course)
-            products = sums.beside(products, taken, moved)
-            taken.append(moved)
+        products = sums.beside(of_others, others, *(moved_by(state, each) for each in warm(logs)))
         return _means.size_up(products, sums, state.model, state.data).cost
 
     # What was found one by one may lie in a valley of its own.

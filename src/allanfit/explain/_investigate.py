@@ -26,20 +26,10 @@ from ._leakage import take_bump
 from ._lines import line_log_chance
 from ._means import Course
 from ._narrow import narrow_noises
+from ._refit import drop_courses, evidence, finer_edges, go_back, refit, remembered, resize
 from ._rounded import about_angle, about_format
 from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
-from ._state import (
-    Finding,
-    Investigation,
-    begin,
-    drop_courses,
-    evidence,
-    finer_edges,
-    go_back,
-    refit,
-    remembered,
-    resize,
-)
+from ._state import Finding, Investigation, begin
 from ._switches import switches_only
 from ._unknown import look_again
 

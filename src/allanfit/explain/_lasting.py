@@ -10,16 +10,10 @@ from ._intervals import runs
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
 from ._ordinates import bin_edges, binned, ordinates
+from ._refit import rebin, refit
 from ._spikes import height_of, name_clear_spikes, name_spikes
 from ._spread import PULLED_IN, Modulation, modulation
-from ._state import (
-    Finding,
-    Investigation,
-    rebin,
-    refit,
-    whitened_piece,
-    whitened_pieces,
-)
+from ._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ._vibration import away_from_edges, take_out, vibration
 from ._whiten import level
 

@@ -5,8 +5,9 @@ from jaxtyping import Float
 
 from ._intervals import runs
 from ._ordinates import LEAKAGE_GRID, LEAST, leakage, less_bands, points
+from ._refit import finer_edges
 from ._search import Candidate
-from ._state import Investigation, finer_edges
+from ._state import Investigation
 from ._structure import (
     EACH,
     HIGH_PASS,

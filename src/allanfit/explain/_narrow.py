@@ -9,8 +9,9 @@ from . import _search
 from ._climb import effects_density, noise_at
 from ._moving import Band
 from ._ordinates import bin_edges
+from ._refit import rebin
 from ._search import Model
-from ._state import Investigation, rebin
+from ._state import Investigation
 from ._structure import EACH, NARROW, Data, shape_of
 from ._tracked import Baseband, inside, narrow_band
 

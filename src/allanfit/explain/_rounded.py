@@ -7,7 +7,8 @@ from . import _search
 from ._climb import log_scatter
 from ._codes import UNROUNDED, Rounding, rounding
 from ._held_out_values import of_codes, of_rails
-from ._state import Finding, Investigation, rebin, refit
+from ._refit import rebin, refit
+from ._state import Finding, Investigation
 
 # Beside this part of the noise a code's width says nothing.
 _FINE = 0.05

@@ -14,19 +14,9 @@ from ._course_shapes import at_its_edges, refined, together
 from ._leakage import leave_leakage
 from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
 from ._means import Course
+from ._refit import add_course, drop_courses, evidence, finer_edges, go_back, remembered
 from ._search import Candidate, rarity
-from ._state import (
-    Finding,
-    Investigation,
-    Searched,
-    add_course,
-    drop_courses,
-    evidence,
-    finer_edges,
-    go_back,
-    remembered,
-    whitened_piece,
-)
+from ._state import Finding, Investigation, Searched, whitened_piece
 from ._structure import NARROW
 from ._whiten import level
 
@@ -75,7 +65,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
         return True
     found = _finite(lines + smooth_options(state) + courses)
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
-    alarms = [option for option in found if option.log_p < np.log(state.alarm)]
+    alarms = _alarms(state, found)
     if not alarms:
         return _take_together(state, found)
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
@@ -143,8 +133,12 @@ def _is_first(state: Investigation, lines: list[Option], courses: list[Option]) 
         return False
     near = [_search.again(each, state.model, state.data) for each in found.candidates]
     every = _finite(lines + [_smooth_option(state, each) for each in near] + courses)
-    alarms = [option for option in every if option.log_p < np.log(state.alarm)]
+    alarms = _alarms(state, every)
     return lines[0] in alarms and _choice(state, alarms)[0] is lines[0]
+
+
+def _alarms(state: Investigation, found: list[Option]) -> list[Option]:
+    return [option for option in found if option.log_p < np.log(state.alarm)]
 
 
 def _finite(found: list[Option]) -> list[Option]:

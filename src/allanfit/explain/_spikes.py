@@ -7,9 +7,10 @@ from scipy.fft import irfft
 from . import _discrete
 from ._held_out_values import of_events, of_spikes
 from ._ordinates import amplitudes
+from ._refit import rebin
 from ._skewness import leans
 from ._spread import Contamination, contamination
-from ._state import Finding, Investigation, rebin
+from ._state import Finding, Investigation
 
 # Spikes more frequent than this are what the noise is like: cut out, they would take its spectrum
 # with them.

@@ -1,10 +1,8 @@
-"""What is known of one channel while it is investigated, and how that is kept up to date."""
+"""What is known of one channel while it is investigated."""
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, field
-from itertools import compress, pairwise
-from operator import is_not
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +10,6 @@ from jaxtyping import Bool, Float, Int
 
 from ..physics import Sampling
 from . import _means, _search
-from ._chance import course_log_chance
 from ._codes import UNROUNDED, Rounding
 from ._format import Format, sample_format
 from ._held_out_values import Gain
@@ -28,24 +25,14 @@ from ._ordinates import (
 from ._search import Candidate, Model
 from ._spread import Contamination, Modulation
 from ._structure import (
-    EACH,
-    RUNNING_MEAN,
-    TERMS,
     Data,
     Kinds,
-    sieve,
 )
 from ._sums import Moved, Products, Summing
 from ._whiten import level, whitened
 
-# Width of bins about a zero, as a part of its frequency.
-_NEAR_ZERO = 0.002
-# Half the degrees of freedom of a bin whose density is known to a tenth.
-_MANY = 100.0
 # Samples of which a spectrum's lowest ordinates are a small part.
 _LONG = 256
-# What changes when a course is taken, and taken back.
-_OF_COURSES = ("courses", "moved", "sized", "left_over", "findings", "model", "data")
 
 
 @dataclass
@@ -291,148 +278,6 @@ def begin(
         tuple(b for (_, a), (b, _) in pairwise(pieces) if a == b),
         np.arange(values.size, dtype=float),
     )
-
-
-def refit(state: Investigation) -> None:
-    """The present structure again, with what is known of white noise that is not N."""
-    # Of all white noise something has to be left for N: coarse codes may hide the noise.
-    # No more than there is: of N, or behind a filter, where five terms may see no N, anywhere.
-    white = 2 * float(np.exp(state.first.theta[1]))
-    bins = state.data.bins
-    many = bins.used & (np.asarray(bins.shape) > _MANY)
-    lowest = float(np.min(bins.density[many])) if many.any() else 0.0
-    most = max(0.999 * white, 0.9 * lowest)
-    # Held samples hold their rounding too, as they do N: it is taken off N at the end.
-    held = state.format.repeat is not None
-    rounded = 0.0 if held else max(state.rounding.added, 0.0)
-    state.data = state.data._replace(foreign=min(2 * (state.foreign + rounded), most))
-    theta = np.array(state.model.theta)
-    starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
-    state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
-
-
-def rebin(state: Investigation) -> None:
-    """The present structure again, after the ordinates or the edges of the bins have changed."""
-    if state.sized is not None:
-        resize(state)
-        return
-    bins = binned(state.left, state.edges)
-    state.data = state.data._replace(bins=bins)
-    state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
-
-
-def finer_edges(state: Investigation) -> None:
-    """Bins that are fine about peaks, and about the zeros of a filter."""
-    pairs = [(peak.frequency, peak.half_width) for peak in state.peaks]
-    if state.model.kinds.shaping == RUNNING_MEAN:
-        three = state.model.theta[TERMS : TERMS + EACH]
-        taps = float(sieve(RUNNING_MEAN, three, state.data.samples).taps(1.0))
-        for zero in np.arange(1, taps / 2 + 0.1) / taps:
-            pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
-    state.edges = bin_edges(state.spectrum.longest, tuple(pairs))
-    rebin(state)
-
-
-def summed(state: Investigation) -> Summed:
-    """Sums over the bins of what the courses do, made anew when what they depend on is another.
-
-    Where the noise is within its bins is a matter of its structure; its powers change it little.
-    """
-    old = state.last_summed
-    if (
-        old is None
-        or old.kinds != state.model.kinds
-        or old.edges is not state.edges
-        or old.spectrum is not state.spectrum
-    ):
-        sums = Summing(state.spectrum, state.edges, state.variance)
-        old = Summed(state.model.kinds, state.edges, state.spectrum, sums, (), sums.alone)
-    known = old.moved
-    if len(known) > len(state.moved) or any(map(is_not, known, state.moved)):
-        old = old._replace(products=old.sums.alone)
-        known = ()
-    products = old.products
-    for place in range(len(known), len(state.moved)):
-        products = old.sums.beside(products, state.moved[:place], state.moved[place])
-    state.last_summed = old._replace(moved=tuple(state.moved), products=products)
-    return state.last_summed
-
-
-def moved_by(state: Investigation, course: Course) -> Moved:
-    """The amplitudes of the ordinates of each column of a course."""
-    return _means.moved_by(course, state.pieces, summed(state).sums.slow_top)
-
-
-def with_course(state: Investigation, course: Course) -> Sized:
-    """The courses and one more, with the noise fitted again beside them."""
-    return _beside(state, course)[0]
-
-
-def _beside(state: Investigation, course: Course) -> tuple[Sized, Products]:
-    before = summed(state)
-    products = before.sums.beside(before.products, state.moved, moved_by(state, course))
-    return _means.size_up(products, before.sums, state.model, state.data), products
-
-
-def evidence(state: Investigation, course: Course) -> tuple[float, float]:
-    """What one more course gains, and the log of the chance that noise alone gains as much."""
-    sized, products = _beside(state, course)
-    gain = max(state.cost - sized.cost, 0.0)
-    mine = slice(-course.sizes, None)
-    known = _means.knowledge(products, mine, state.model, state.data)
-    return gain, course_log_chance(gain, course.sizes, known, course.places, course.length)
-
-
-def add_course(state: Investigation, course: Course, finding: Finding) -> None:
-    """Take a course for real."""
-    state.courses.append(course)
-    state.moved.append(moved_by(state, course))
-    state.findings.append(finding)
-    resize(state)
-
-
-def remembered(state: Investigation) -> dict[str, Any]:
-    """What changes when courses are taken or taken back, for `go_back`."""
-    # Lists are added to in place.
-    return {name: copy(getattr(state, name)) for name in _OF_COURSES}
-
-
-def go_back(state: Investigation, kept: dict[str, Any]) -> None:
-    """The state as it was `remembered`."""
-    for name, value in kept.items():
-        setattr(state, name, value)
-
-
-def drop_courses(state: Investigation, gone: list[Course]) -> None:
-    """Take back courses that were none, with their findings."""
-    kept = [not _is_one_of(course, gone) for course in state.courses]
-    named = state.findings_of([course.name for course in state.courses])
-    bare = [finding for finding, stays in zip(named, kept, strict=True) if not stays]
-    state.findings = [each for each in state.findings if not _is_one_of(each, bare)]
-    state.courses = list(compress(state.courses, kept))
-    state.moved = list(compress(state.moved, kept))
-    if not state.courses:
-        state.sized = state.left_over = None
-    rebin(state)
-
-
-def _is_one_of(one: object, many: Sequence[object]) -> bool:
-    """By identity: what holds arrays cannot be compared."""
-    return any(one is each for each in many)
-
-
-def resize(state: Investigation) -> None:
-    """The courses beside the structure as it is now."""
-    found = summed(state)
-    state.sized = _means.size_up(found.products, found.sums, state.model, state.data)
-    amplitude, end = state.spectrum.amplitude.copy(), 0
-    for moved in state.moved:
-        begin, end = end, end + moved.shape[1]
-        amplitude[: len(moved)] -= moved @ state.sized.sizes[begin:end]
-    state.left_over = state.spectrum._replace(amplitude=amplitude)
-    state.data = state.sized.data._replace(bins=binned(state.left, state.edges))
-    powers = state.sized.model
-    state.model = _search.best([(powers.kinds, powers.theta)], state.data)[0]
 
 
 def whitened_pieces(

@@ -61,16 +61,17 @@ class Summing:
         self.slow_top = _slow_top(spectrum.frequency[stops - 1], self.bins, of_bin)
         self.alone = self._extended(Products(*np.zeros((2, len(count), 0, 0))), [], self._own)
 
-    def beside(self, before: Products, taken: Sequence[Moved], moved: Moved) -> Products:
-        """The products of courses `taken` already, `before`, and of one more."""
-        return self._extended(before, [self._own, *taken], moved)
+    def beside(self, before: Products, taken: Sequence[Moved], *more: Moved) -> Products:
+        """The products of courses `taken` already, `before`, and of more after them."""
+        known = [self._own, *taken]
+        for moved in more:
+            before = self._extended(before, known, moved)
+            known.append(moved)
+        return before
 
     def of(self, taken: Sequence[Moved]) -> Products:
         """The products of several courses."""
-        found = self.alone
-        for place, moved in enumerate(taken):
-            found = self.beside(found, taken[:place], moved)
-        return found
+        return self.beside(self.alone, [], *taken)
 
     def _extended(self, before: Products, taken: Sequence[Moved], moved: Moved) -> Products:
         rows = len(moved)
