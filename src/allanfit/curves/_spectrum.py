@@ -99,11 +99,12 @@ class RampProjection(eqx.Module):
         """
         of = jnp if isinstance(coefficients, jax.Array) else np
         modes = coefficients.shape[0]
-        weight = _weight(of.arange(1, modes + 1).astype(coefficients.dtype))
-        odd = (coefficients * weight)[::2]
+        # All is at the odd orders.
+        weight = _weight(of.arange(1, modes + 1, 2).astype(coefficients.dtype))
+        odd = coefficients[::2] * weight
         direction = of.asarray(self.odd_direction[: odd.shape[0]], coefficients.dtype)
         mixed = odd[0] + of.sum(odd[1:] * direction[1:]) / (1 + direction[0])
-        return coefficients[1:] - _among_zeros(direction * mixed, modes)[1:] / weight[1:]
+        return coefficients[1:] - _among_zeros(direction * mixed / weight, modes)[1:]
 
     def __call__(
         self, coefficients: Float[Array, " modes"] | Float[np.ndarray, " modes"]

@@ -37,6 +37,8 @@ _APART = 2.0
 _COMMON, _LASTING = 0.01, 1e-6
 # A decay falls by this many powers of e within its window.
 _DECAYS = 4.0
+# Samples of windows that are transformed together.
+_TOGETHER = 2**20
 
 
 class Burst(NamedTuple):
@@ -74,11 +76,10 @@ def bursts(white: Float[np.ndarray, " samples"], tail: float = 1.0) -> Burst:
     tiles: list[_Tile] = []
     beside: list[_Tile] = []
     for shape, hop, fewest in windows:
-        frames = np.lib.stride_tricks.sliding_window_view(white, shape.size)[::hop]
-        spectra = np.fft.rfft(frames * (shape / np.sqrt(np.sum(shape**2))))
-        power = np.abs(spectra[:, fewest : spectra.shape[1] - fewest]) ** 2
+        power = _powers(white, shape / np.sqrt(np.sum(shape**2)), hop, fewest)
         own = np.median(power, axis=0) / np.log(2)
-        strongest = (power / np.where(own > _OWN_LEVEL, own, 1.0)).max(axis=1) / tail
+        power /= np.where(own > _OWN_LEVEL, own, 1.0)
+        strongest = power.max(axis=1) / tail
         beside += [
             _Tile(float(strongest[at]), at * hop + shape.size / 2, shape.size)
             for at in np.flatnonzero(trials - strongest < _BESIDE)
@@ -108,6 +109,24 @@ def bursts(white: Float[np.ndarray, " samples"], tail: float = 1.0) -> Burst:
         begin = round(tile.middle - tile.window / 2)
         loud[begin : begin + tile.window] = True
     return Burst(loud, min(0.0, log_p), tail * apart[0].power, apart[0].window)
+
+
+def _powers(
+    white: Float[np.ndarray, " samples"],
+    shape: Float[np.ndarray, " window"],
+    hop: int,
+    fewest: int,
+) -> Float[np.ndarray, "windows ordinates"]:
+    """Of windows `hop` apart, without the outermost ordinates."""
+    frames = np.lib.stride_tricks.sliding_window_view(white, shape.size)[::hop]
+    power = np.empty((len(frames), shape.size // 2 + 1 - 2 * fewest))
+    # Few at a time: overlapping windows hold many times the samples.
+    together = max(1, _TOGETHER // shape.size)
+    for at in range(0, len(frames), together):
+        spectra = np.fft.rfft(frames[at : at + together] * shape)
+        spectra = spectra[:, fewest : spectra.shape[1] - fewest]
+        power[at : at + together] = spectra.real**2 + spectra.imag**2
+    return power
 
 
 class _Tile(NamedTuple):

@@ -214,17 +214,16 @@ def _oscillations(scan: _Scan, longest: tuple[int, int], samples: int) -> list[C
             gains[heard] += stretch.gains(_slow_waves(stretch.count, part, periods.size)[heard])
             sizes += 2
     courses, time = [], blocks.time - longest[0]
+    every = np.arange(samples) - float(longest[0])
     # Each whole period is a place of its own, and the best lies between them.
     places = 3.0 * float(periods[-1])
     reach = float(time[-1] - time[0]) / length
     closely = 2 * int(np.ceil(4 * min(reach, _SLOW_PIECES))) + 1
     for at in _tops(gains, 4, sizes, places):
         fine = (periods[at] + np.linspace(-0.25, 0.25, closely)) / length
-        each = [scan.gain(oscillation(float(frequency), time).template) for frequency in fine]
+        each = [scan.gain(oscillation(float(frequency), time).draw()) for frequency in fine]
         best_place = float(fine[int(np.argmax(each))])
-        courses.append(
-            oscillation(best_place, np.arange(samples) - float(longest[0]))._replace(places=places)
-        )
+        courses.append(oscillation(best_place, every)._replace(places=places))
     return courses
 
 
@@ -313,7 +312,7 @@ def _products(
 
 def _driven(name: str, columns: Float[np.ndarray, "samples columns"], samples: int) -> list[Course]:
     if name != "temperature":
-        return [Course(name, columns, {})]
+        return [Course(name, lambda: columns, columns.shape[1], {})]
     felt = columns[:, 0]
     return [late(felt, lag * samples)._replace(places=float(len(_LAGS))) for lag in _LAGS]
 

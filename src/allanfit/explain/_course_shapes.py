@@ -92,7 +92,8 @@ def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulati
             loud[inside], changing.window, state.values[inside], state.spectrum, variance
         )
     moved = changing._replace(loud=loud[state.looked_at])
-    better = course._replace(template=loudness(state, moved))
+    shape = loudness(state, moved)
+    better = course._replace(draw=lambda: shape)
     edges = np.count_nonzero(np.diff(loud))
     # What vibrates is known to begin and end within few samples.
     price = 2 * edges * np.log(2 * changing.window) if state.vibration is not None else 0.0
@@ -128,7 +129,7 @@ def together(state: Investigation) -> None:
     best = minimize(cost, start, method="Nelder-Mead", options=options).x
     for i, course in zip(mine, warm(best), strict=True):
         old = state.courses[i]
-        state.courses[i] = course._replace(places=old.places, length=old.length)
+        state.courses[i] = course._replace(places=old.places, length=old.length).kept()
         state.moved[i] = moved_by(state, course)
     resize(state)
 
@@ -149,8 +150,8 @@ def draw_courses(
     for i in mine:
         course = state.courses[i]
         late = np.arange(state.values.size)[:, None] / course.shape["time_constant"]
-        slope = course._replace(template=sizes[ends[i]] * late * course.template)
-        every.append(moved_by(state, slope))
+        slope = sizes[ends[i]] * late * course.draw()
+        every.append(moved_by(state, course._replace(draw=lambda slope=slope: slope)))
     # With the noise in its bins as it was found in the end.
     products = Summing(state.spectrum, state.edges, state.variance).of(every)
     covariance = _means.covariance_of(products, state.model, state.data)

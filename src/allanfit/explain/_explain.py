@@ -130,10 +130,9 @@ def _explain_channel(
         for effect in effects_of(state, draws, state.stride * dt, seed)
     )
     after = fit_after(fit, state, averaged(state, draws, seed, quick=not posterior), seed)
-    moved = state.all_moved
     score = held_out(
         state.spectrum,
-        moved,
+        state.moved,
         state.edges,
         state.model,
         state.data,
@@ -141,7 +140,7 @@ def _explain_channel(
         state.variance,
         seed,
     ).joined(state.gains.values())
-    fits = goodness(state, moved.shape[1])
+    fits = goodness(state, sum(moved.shape[1] for moved in state.moved))
     found = ChannelExplanation(
         channel, fit, after, state, effects, score, finite(fits.p_value), fits.apart
     )

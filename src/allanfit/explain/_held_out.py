@@ -9,7 +9,7 @@ y - e, which are independent and have the same mean (data fission: Rasines and Y
 Biometrika 110:597); the gain is then understated, since each has twice the noise.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,12 +20,15 @@ from ._held_out_values import Gain
 from ._ordinates import Bins, Ordinates, binned
 from ._search import Model, best, five_terms, mean_density
 from ._structure import TERMS, Data
+from ._sums import Moved
 
 # Neighbours that are rotated lie within such a part of their frequency, and are at most so many.
 _ALIKE = 0.1
 _MOST_ROTATED = 32
 # The least share of a course that each half must hold.
 _LEAST_SHARE = 0.2
+# Ordinates that are worked on together.
+_AT_A_TIME = 2**18
 
 
 class HeldOut(NamedTuple):
@@ -50,7 +53,7 @@ class HeldOut(NamedTuple):
 
 def held_out(
     spectrum: Ordinates,
-    moved: Float[np.ndarray, "ordinates columns"],
+    moved: Sequence[Moved],
     edges: Float[np.ndarray, " edges"],
     model: Model,
     data: Data,
@@ -60,68 +63,105 @@ def held_out(
 ) -> HeldOut:
     """Score five terms and the model named on what neither was fitted to.
 
-    `spectrum` holds all ordinates, `moved` the amplitudes that courses put there, `data` and
+    `spectrum` holds all ordinates, `moved` the amplitudes that each course puts there, `data` and
     `plain` what is known of the samples with and without what was found out.
     """
-    if moved.shape[1]:
-        turned = _rotated(np.column_stack([spectrum.amplitude, moved]), variance, seed)
-        spectrum, moved = spectrum._replace(amplitude=turned[:, 0]), turned[:, 1:]
-        energy = moved * _weighted(spectrum, moved, variance)
-        share = energy[spectrum.fold == 0].sum(axis=0) / energy.sum(axis=0)
+    columns = _side_by_side(spectrum.amplitude, moved)
+    halves = [spectrum.fold == fold for fold in (0, 1)]
+    if moved:
+        _turn(columns, variance, seed)
+        spectrum = spectrum._replace(amplitude=columns[:, 0].copy())
+        weight = _weight(spectrum, variance)
+        energy = [np.diag(_products(columns, weight * half))[1:] for half in halves]
+        share = energy[0] / (energy[0] + energy[1])
         if np.any(np.abs(share - 0.5) > 0.5 - _LEAST_SHARE):
-            return _fission(spectrum, moved, edges, model, data, plain, variance, seed)
-    parts = [_fold(spectrum, moved, edges, model, data, plain, variance, fold) for fold in (0, 1)]
+            return _fission(spectrum, columns, edges, model, data, plain, variance, seed)
+    parts = [_fold(spectrum, columns, edges, model, data, plain, variance, fold) for fold in (0, 1)]
     before, after = (sum(part[i] for part in parts) for i in range(2))
     return HeldOut(float(before), float(after), float(np.sqrt(sum(part[2] for part in parts))))
 
 
-def _rotated(
+def _side_by_side(
+    own: Float[np.ndarray, " ordinates"], moved: Sequence[Moved]
+) -> Float[np.ndarray, "ordinates columns"]:
+    """The record's own amplitudes, and those that courses move, which need not reach all."""
+    columns = np.zeros((own.size, 1 + sum(each.shape[1] for each in moved)))
+    columns[:, 0], at = own, 1
+    for each in moved:
+        columns[: len(each), at : at + each.shape[1]] = each
+        at += each.shape[1]
+    return columns
+
+
+def _turn(
     columns: Float[np.ndarray, "ordinates columns"],
     variance: Float[np.ndarray, " ordinates"],
     seed: int,
-) -> Float[np.ndarray, "ordinates columns"]:
-    """Amplitudes with neighbours of nearly one frequency turned into one another."""
-    deviation = np.sqrt(variance)[:, None]
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=len(variance))
-    white = columns / deviation * signs[:, None]
+) -> None:
+    """Turn amplitudes of nearly one frequency into one another, in place."""
+    random = np.random.default_rng(seed)
     start = int(np.ceil(2 / _ALIKE))
-    while start < len(white):
+    while start < len(columns):
         size = min(2 ** int(np.log2(start * _ALIKE)), _MOST_ROTATED)
         # As many blocks of this size as there are before a larger one fits.
-        end = 2 * size / _ALIKE if size < _MOST_ROTATED else len(white)
-        blocks = max(1, int((min(end, len(white)) - start) // size))
+        end = 2 * size / _ALIKE if size < _MOST_ROTATED else start + _AT_A_TIME
+        blocks = max(1, int((min(end, len(columns)) - start) // size))
         stop = start + blocks * size
-        if stop > len(white):
+        if stop > len(columns):
             break
-        part = white[start:stop].reshape(blocks, size, -1)
-        white[start:stop] = np.einsum("ij,bjc->bic", hadamard(size), part).reshape(
-            blocks * size, -1
-        ) / np.sqrt(size)
+        deviation = np.sqrt(variance[start:stop, None])
+        signs = random.choice([-1.0, 1.0], size=(stop - start, 1))
+        white = (columns[start:stop] / deviation * signs).reshape(blocks, size, -1)
+        turned = np.einsum("ij,bjc->bic", hadamard(size), white).reshape(stop - start, -1)
+        columns[start:stop] = turned * (deviation / np.sqrt(size))
         start = stop
-    return white * deviation
 
 
-def _fold(spectrum: Ordinates, moved, edges, model: Model, data: Data, plain: Data, variance, fold):
-    train = spectrum.fold != fold
-    test = (spectrum.fold == fold) & spectrum.clean(spectrum.frequency)
-    weighted = _weighted(spectrum, moved, variance)[train]
-    sizes = np.linalg.lstsq(
-        weighted.T @ moved[train], weighted.T @ spectrum.amplitude[train], rcond=None
-    )[0]
-    rest = spectrum.less(moved @ sizes)
-    whole, clean = (binned(each, edges, 1 - fold) for each in (spectrum, rest))
-    old, new = _fitted(whole, clean, model, data, plain)
+def _products(
+    columns: Float[np.ndarray, "ordinates columns"], weight: Float[np.ndarray, " ordinates"]
+) -> Float[np.ndarray, "columns columns"]:
+    """Weighted sums of products of amplitudes."""
+    return sum(
+        (columns[part] * weight[part, None]).T @ columns[part] for part in _parts(len(columns))
+    )
+
+
+def _parts(ordinates: int) -> Iterable[slice]:
+    """Few enough that what is made of them is small beside the record."""
+    return (slice(at, at + _AT_A_TIME) for at in range(0, ordinates, _AT_A_TIME))
+
+
+def _sizes(
+    columns: Float[np.ndarray, "ordinates columns"], weight: Float[np.ndarray, " ordinates"]
+) -> Float[np.ndarray, " sizes"]:
+    """Of the courses, by least squares."""
+    products = _products(columns, weight)
+    return np.linalg.lstsq(products[1:, 1:], products[1:, 0], rcond=None)[0]
+
+
+def _fold(
+    spectrum: Ordinates, columns, edges, model: Model, data: Data, plain: Data, variance, fold
+):
+    sizes = _sizes(columns, _weight(spectrum, variance) * (spectrum.fold != fold))
+    course = columns[:, 1:] @ sizes
+    rest = spectrum.less(course)
+    old, new = _fitted(
+        binned(spectrum, edges, 1 - fold), binned(rest, edges, 1 - fold), model, data, plain
+    )
     bins = binned(spectrum, edges, fold)
     low, high, scatter = _scores(bins, old, new, data, plain)
-    if moved.shape[1]:
+    if sizes.size:
         high = _scores(binned(rest, edges, fold), old, new, data, plain)[1]
-        scatter = _scatter(spectrum, rest, bins, old, new, data, plain, test) ** 2
+        test = (spectrum.fold == fold) & spectrum.clean(spectrum.frequency)
+        scatter = _scatter(spectrum, course, bins, old, new, data, plain, test) ** 2
     return low, high, float(np.sum(scatter))
 
 
-def _weighted(spectrum: Ordinates, moved, variance) -> Float[np.ndarray, "ordinates columns"]:
-    """By the inverse of the noise's variance, where an ordinate is the noise's own."""
-    return np.where(spectrum.clean(spectrum.frequency), 1 / variance, 0.0)[:, None] * moved
+def _weight(
+    spectrum: Ordinates, variance: Float[np.ndarray, " ordinates"]
+) -> Float[np.ndarray, " ordinates"]:
+    """The inverse of the noise's variance, where an ordinate is the noise's own."""
+    return np.where(spectrum.clean(spectrum.frequency), 1 / variance, 0.0)
 
 
 def _fitted(
@@ -142,35 +182,38 @@ def _scores(test: Bins, old: Model, new: Model, data: Data, plain: Data):
     return float(low), float(high), shape * (after / before - 1) ** 2
 
 
-def _fission(spectrum, moved, edges, model: Model, data: Data, plain: Data, variance, seed):
+def _fission(spectrum, columns, edges, model: Model, data: Data, plain: Data, variance, seed):
     noise = np.random.default_rng(seed).standard_normal(variance.size) * np.sqrt(variance)
     total_before = total_after = scatter = 0.0
     everywhere = spectrum.clean(spectrum.frequency)
+    weight = _weight(spectrum, variance)
     for sign in (1.0, -1.0):
         train = spectrum.less(-sign * noise)
+        columns[:, 0] = train.amplitude
+        course = columns[:, 1:] @ _sizes(columns, weight)
+        old, new = _fitted(
+            binned(train, edges), binned(train.less(course), edges), model, data, plain
+        )
         test = spectrum.less(sign * noise)
-        weighted = _weighted(spectrum, moved, variance)
-        sizes = np.linalg.lstsq(weighted.T @ moved, weighted.T @ train.amplitude, rcond=None)[0]
-        whole, clean = (binned(each, edges) for each in (train, train.less(moved @ sizes)))
-        old, new = _fitted(whole, clean, model, data, plain)
-        rest = test.less(moved @ sizes)
-        whole, clean = binned(test, edges), binned(rest, edges)
-        low = _scores(whole, old, new, data, plain)[0]
-        high = _scores(clean, old, new, data, plain)[1]
+        bins = binned(test, edges)
+        low = _scores(bins, old, new, data, plain)[0]
+        high = _scores(binned(test.less(course), edges), old, new, data, plain)[1]
         total_before += low / 2
         total_after += high / 2
-        scatter = max(scatter, _scatter(test, rest, whole, old, new, data, plain, everywhere))
+        scatter = max(scatter, _scatter(test, course, bins, old, new, data, plain, everywhere))
     return HeldOut(float(total_before), float(total_after), float(scatter))
 
 
-def _scatter(test, rest, bins: Bins, old, new, data: Data, plain: Data, scored) -> float:
+def _scatter(spectrum, course, bins: Bins, old, new, data: Data, plain: Data, scored) -> float:
     """Standard error of the difference when the better model is right."""
     before = mean_density(old, plain._replace(bins=bins))
     after = mean_density(new, data._replace(bins=bins))
     used, frequency = bins.used, bins.frequency
-    m0 = np.interp(test.frequency, frequency[used], before[used])
-    m1 = np.interp(test.frequency, frequency[used], after[used])
-    course = test.amplitude - rest.amplitude
-    # Half of z^2 (m1/m0 - 1), and of the product of the course with the noise.
-    each = (m1 / m0 - 1) ** 2 / 2 + course**2 * m1 / m0**2
-    return float(np.sqrt(np.sum(each[scored])))
+    total = 0.0
+    for part in _parts(scored.size):
+        m0 = np.interp(spectrum.frequency[part], frequency[used], before[used])
+        m1 = np.interp(spectrum.frequency[part], frequency[used], after[used])
+        # Half of z^2 (m1/m0 - 1), and of the product of the course with the noise.
+        each = (m1 / m0 - 1) ** 2 / 2 + course[part] ** 2 * m1 / m0**2
+        total += float(np.sum(each[scored[part]]))
+    return total**0.5

@@ -60,7 +60,9 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     """Bands with more power than chance, of a family-wise `p_value`, strongest first."""
     samples = white.size
     # Twice the length: a line between two ordinates would lose up to 60 % of its power.
-    fine = np.abs(np.fft.rfft(white, 2 * samples)) ** 2 / samples
+    spectrum = np.fft.rfft(white, 2 * samples)
+    fine = (spectrum.real**2 + spectrum.imag**2) / samples
+    del spectrum
     fine[: 2 * _SLOWEST] = 0.0
     # Half the sampling rate has one phase: as exponential as the others with the same chance.
     fine[-1] = -np.log(2) - norm.logsf(np.sqrt(fine[-1]))
@@ -73,8 +75,8 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
             break
         peaks.append(found)
         reach = max(2.5 * found.half_width, 3 / samples)
-        frequency = np.arange(fine.size) / (2 * samples)
-        taken |= np.abs(frequency - found.frequency) < reach
+        low, high = 2 * samples * (found.frequency + np.array([-reach, reach]))
+        taken[max(int(np.floor(low)) + 1, 0) : max(int(np.ceil(high)), 0)] = True
     return peaks
 
 

@@ -31,18 +31,21 @@ class Course(NamedTuple):
     """A named course in time, up to its size."""
 
     name: str
-    #: What it adds to each sample for unit sizes, shape (samples, columns).
-    template: Template
+    #: Draws what it adds to each sample for unit sizes, shape (samples, columns): of the many that
+    #: are looked at in a long record there is no room for all.
+    draw: Callable[[], Template]
+    #: How many sizes it has.
+    sizes: int
     #: Its parameters beside the sizes, in samples.
     shape: dict[str, float]
     #: Among how many it is the best: unrelated ones, or those along a path of that length.
     places: float = 1.0
     length: float = 0.0
 
-    @property
-    def sizes(self) -> int:
-        """How many sizes it has."""
-        return self.template.shape[1]
+    def kept(self) -> "Course":
+        """The course, drawn once for all times."""
+        template = self.draw()
+        return self._replace(draw=lambda: template)
 
 
 class Sized(NamedTuple):
@@ -148,34 +151,45 @@ def oscillation(
 
     `ahead` is by how much its phase is ahead of that at a `time` of zero [rad].
     """
-    angle = 2 * np.pi * frequency * time + ahead
-    if frequency == 0.5:
-        return Course("sinusoid", np.cos(angle)[:, None], {"frequency": frequency})
-    return Course(
-        "sinusoid", np.column_stack([np.cos(angle), np.sin(angle)]), {"frequency": frequency}
-    )
+
+    def draw() -> Template:
+        angle = 2 * np.pi * frequency * time + ahead
+        both = (np.cos, np.sin) if frequency < 0.5 else (np.cos,)
+        return np.column_stack([each(angle) for each in both])
+
+    return Course("sinusoid", draw, 1 if frequency == 0.5 else 2, {"frequency": frequency})
 
 
 def warm_up(constant: float, samples: int) -> Course:
     """An exponential that begins with the recording, its constant in samples."""
-    time = np.arange(samples)[:, None]
-    return Course("warm_up", np.exp(-time / constant), {"time_constant": constant})
+
+    def draw() -> Template:
+        return np.exp(-np.arange(samples)[:, None] / constant)
+
+    return Course("warm_up", draw, 1, {"time_constant": constant})
 
 
 def step(time: int, samples: int) -> Course:
     """One from sample `time` on."""
-    return Course(
-        "step", (np.arange(samples) >= time)[:, None].astype(float), {"time": float(time)}
-    )
+
+    def draw() -> Template:
+        return (np.arange(samples) >= time)[:, None].astype(float)
+
+    return Course("step", draw, 1, {"time": float(time)})
 
 
 def late(felt: Float[np.ndarray, " samples"], lag: float) -> Course:
     """A temperature and its square, which a sensor feels through one thermal mass, `lag` behind."""
-    if lag > 1:
-        share = 1 - np.exp(-1 / lag)
-        felt = lfilter([share], [1, share - 1], felt - felt[0]) + felt[0]
-    felt = felt - felt.mean()
-    return Course("temperature", np.column_stack([felt, felt**2]), {"lag": lag})
+
+    def draw() -> Template:
+        later = felt
+        if lag > 1:
+            share = 1 - np.exp(-1 / lag)
+            later = lfilter([share], [1, share - 1], felt - felt[0]) + felt[0]
+        later = later - later.mean()
+        return np.column_stack([later, later**2])
+
+    return Course("temperature", draw, 2, {"lag": lag})
 
 
 def polish(
@@ -211,6 +225,6 @@ def moved_by(course: Course, pieces: tuple[tuple[int, int], ...], slow_top: floa
     return np.column_stack(
         [
             amplitudes(tuple(column[start:stop] for start, stop in pieces), top)
-            for column in course.template.T
+            for column in course.draw().T
         ]
     )

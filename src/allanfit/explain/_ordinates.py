@@ -1,21 +1,22 @@
 """Every ordinate of a record's mirror spectrum, and averages of them over any bins.
 
 A fit of five smooth terms needs few bins. What is left out of it may be narrow, so that here all
-ordinates are kept, in float64 on the host, and averaged as each question asks. Frequencies are in
-cycles per sample and densities for a sampling interval of one, as in `curves`.
+ordinates are kept, on the host, and averaged as each question asks. Frequencies are in cycles per
+sample and densities for a sampling interval of one, as in `curves`.
 """
 
 from functools import lru_cache
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.fft
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Float32, Int, Shaped
 from scipy.ndimage import median_filter
 
-from ..curves import mode_variances
 from ..curves._bins import logarithmic_edges
+from ..curves._design import NOISE_TERMS, expected_ordinates
 from ..curves._spectrum import RampProjection
 from ..physics import Sampling
 from ._intervals import runs
@@ -50,8 +51,8 @@ class Ordinates(NamedTuple):
     frequency: Float[np.ndarray, " ordinates"]
     #: sqrt(2) c with the ramp projected out [u]: linear in the samples, and squared an ordinate.
     amplitude: Float[np.ndarray, " ordinates"]
-    #: What unit powers of Q, N, B, K put there, shape (ordinates, 4).
-    expected: Float[np.ndarray, "ordinates terms"]
+    #: What unit powers of Q, N, B, K put there, shape (ordinates, 4). Seven digits are enough.
+    expected: Float32[np.ndarray, "ordinates terms"]
     #: Which half of the record's ordinates each belongs to, for scores on what was not fitted.
     fold: Int[np.ndarray, " ordinates"]
     #: Samples of the longest stretch.
@@ -110,24 +111,45 @@ def points(frequency: Float[np.ndarray, " bins"]) -> Float[np.ndarray, "bins thr
 
 def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -> Ordinates:
     """All ordinates of the stretches of a record, each of at least 16 samples [u]."""
-    frequency, expected, fold = [], [], []
-    for x in pieces:
-        order = np.arange(2, x.size)
-        variances = 2 * mode_variances(x.size, x.size - 1, sampling)
-        project = _projection(x.size)
-        frequency.append(order / (2 * x.size))
-        expected.append(np.stack([project.expectation(column) for column in variances.T], axis=1))
-        # Neighbours in pairs, so that each half has as many odd orders as even ones.
-        fold.append(order // 2 % 2)
-    whole = np.concatenate(frequency)
-    by_frequency = np.argsort(whole, kind="stable")
+    orders = [np.arange(2, x.size) for x in pieces]
+    frequency = [order / (2 * x.size) for order, x in zip(orders, pieces, strict=True)]
+    # Neighbours in pairs, so that each half has as many odd orders as even ones.
+    fold = [(order // 2 % 2).astype(np.int8) for order in orders]
+    expected = [_expected(x.size, sampling) for x in pieces]
+    by_frequency = _order(frequency)
     return Ordinates(
-        whole[by_frequency],
+        _joined(frequency, by_frequency),
         amplitudes(pieces),
-        np.concatenate(expected)[by_frequency],
-        np.concatenate(fold)[by_frequency],
+        _joined(expected, by_frequency),
+        _joined(fold, by_frequency),
         max(x.size for x in pieces),
     )
+
+
+@lru_cache(maxsize=8)
+def _expected(length: int, sampling: Sampling) -> Float32[np.ndarray, "ordinates terms"]:
+    """What unit powers of Q, N, B, K put into the ordinates of a stretch, term by term."""
+    frequency = np.arange(1, length) / (2 * length)
+    found = np.empty((length - 2, len(NOISE_TERMS)), np.float32)
+    for place, term in enumerate(NOISE_TERMS):
+        with jax.enable_x64(True):
+            variance = expected_ordinates(term, length, frequency, sampling)
+        found[:, place] = _projection(length).expectation(variance)
+    return found
+
+
+def _order(frequency: list[Float[np.ndarray, " _"]]) -> Int[np.ndarray, " ordinates"] | None:
+    """That of the ordinates of several stretches by frequency."""
+    if len(frequency) == 1:
+        return None
+    return np.argsort(np.concatenate(frequency), kind="stable")
+
+
+def _joined(
+    parts: list[np.ndarray], order: Int[np.ndarray, " ordinates"] | None
+) -> Shaped[np.ndarray, "ordinates *columns"]:
+    """Of one stretch as they are, which takes no more room."""
+    return parts[0] if order is None else np.concatenate(parts)[order]
 
 
 def amplitudes(
@@ -144,12 +166,10 @@ def amplitudes(
         for x, most in zip(pieces, modes, strict=True)
         if most > 0
     ]
-    if len(found) == 1:
-        return 2**0.5 * found[0]
-    whole = np.concatenate(
-        [np.arange(2, most + 1) / (2 * x.size) for x, most in zip(pieces, modes, strict=True)]
-    )
-    return 2**0.5 * np.concatenate(found)[np.argsort(whole, kind="stable")]
+    frequency = [
+        np.arange(2, most + 1) / (2 * x.size) for x, most in zip(pieces, modes, strict=True)
+    ]
+    return 2**0.5 * _joined(found, _order(frequency))
 
 
 def _coefficients(x: Float[np.ndarray, " samples"], modes: int) -> Float[np.ndarray, " modes"]:
@@ -162,7 +182,7 @@ def _coefficients(x: Float[np.ndarray, " samples"], modes: int) -> Float[np.ndar
         index = np.minimum(edges.astype(int), x.size - 1)
         sums = np.cumsum(calm)[index] - (index + 1 - edges) * calm[index]
         calm = np.diff(sums) * np.sqrt(blocks / x.size)
-    return np.asarray(scipy.fft.dct(calm, norm="ortho"))[1 : modes + 1]
+    return np.asarray(scipy.fft.dct(calm, norm="ortho", overwrite_x=True))[1 : modes + 1]
 
 
 @lru_cache(maxsize=32)
@@ -208,16 +228,15 @@ def binned(
     frequency = spectrum.frequency if whole else spectrum.frequency[kept]
     starts, _, count = runs_between(frequency, edges)
 
-    def mean(values: Float[np.ndarray, "ordinates *columns"]) -> Float[np.ndarray, "bins *columns"]:
-        sums = np.add.reduceat(values if whole else values[kept], starts)
-        return (sums.T / count).T
+    def mean(values: Float[np.ndarray, " ordinates"]) -> Float[np.ndarray, " bins"]:
+        return np.add.reduceat(values if whole else values[kept], starts, dtype=float) / count
 
     # A bin reaches half a spacing beyond its outermost ordinates.
     half = 1 / (4 * spectrum.longest)
     low = frequency[starts] - half
     high = np.minimum(frequency[starts + count - 1] + half, 0.5)
     density = mean(spectrum.amplitude**2)
-    expected = mean(spectrum.expected)
+    expected = np.stack([mean(column) for column in spectrum.expected.T], axis=1)
     padding = -density.size % _PADDING
     nodes = low[:, None] + (high - low)[:, None] * _NODES
     return Bins(

@@ -111,8 +111,8 @@ def evidence(state: Investigation, course: Course) -> tuple[float, float]:
 
 def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     """Take a course for real."""
-    state.courses.append(course)
-    state.moved.append(moved_by(state, course))
+    state.courses.append(course.kept())
+    state.moved.append(moved_by(state, state.courses[-1]))
     state.findings.append(finding)
     resize(state)
 

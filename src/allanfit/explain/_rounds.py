@@ -282,7 +282,7 @@ def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
     cosine, sine = np.linalg.lstsq(np.hstack([basis, late * basis]), white, rcond=None)[0][2:]
     # What whitening makes of its amplitude, which is zero at no frequency near by.
     place = next(i for i, each in enumerate(state.courses) if each is old)
-    begin = sum(each.template.shape[1] for each in state.courses[:place])
+    begin = sum(each.sizes for each in state.courses[:place])
     density = np.interp(frequency, state.left.frequency, level(state.left, state.variance))
     assert state.sized is not None
     a, b = state.sized.sizes[begin : begin + 2] / np.sqrt(density / 2)

@@ -191,20 +191,13 @@ class Investigation:
         """What all courses add to each sample [u]; None without courses."""
         if self.sized is None:
             return None
-        return np.column_stack([course.template for course in self.courses]) @ self.sized.sizes
+        return np.column_stack([course.draw() for course in self.courses]) @ self.sized.sizes
 
     @property
     def calm(self) -> Float[np.ndarray, " samples"]:
         """The samples less all courses."""
         drawn = self.drawn
         return self.values if drawn is None else self.values - drawn
-
-    @property
-    def all_moved(self) -> Float[np.ndarray, "ordinates columns"]:
-        """The amplitudes of the ordinates of all courses, side by side."""
-        rows = self.spectrum.frequency.size
-        every = [np.pad(moved, ((0, rows - len(moved)), (0, 0))) for moved in self.moved]
-        return np.concatenate([np.zeros((rows, 0)), *every], axis=1)
 
     @property
     def variance(self) -> Float[np.ndarray, " ordinates"]:

@@ -74,31 +74,27 @@ class Summing:
         return self.beside(self.alone, [], *taken)
 
     def _extended(self, before: Products, taken: Sequence[Moved], moved: Moved) -> Products:
-        rows = len(moved)
-        plain = moved if self._kept is None else moved * self._kept[:rows, None]
-        both = np.concatenate([plain, moved * self._weight[:rows, None]], axis=1)
         held = before.plain.shape[1]
         columns = held + moved.shape[1]
         found = np.zeros((2, len(self.count), columns, columns))
         found[:, :, :held, :held] = before
-        end = 0
-        for block in (*taken, moved):
-            begin, end = end, end + block.shape[1]
-            across = self._summed(block, both).reshape(len(self.count), -1, 2, moved.shape[1])
-            for each, part in zip(found, across.transpose(2, 0, 1, 3), strict=True):
-                each[:, begin:end, held:] = part
-                each[:, held:, begin:end] = part.swapaxes(1, 2)
-        return Products(*found)
-
-    def _summed(self, first: Moved, second: Moved) -> Float[np.ndarray, "bins some others"]:
-        rows = min(len(first), len(second))
-        found = np.zeros((len(self._runs), first.shape[1], second.shape[1]))
-        for into, (start, stop) in zip(found, self._runs, strict=True):
-            if start >= rows:
+        plain, weighted = found
+        for place, (start, stop) in enumerate(self._runs):
+            mine = moved[start:stop]
+            if not len(mine):
                 break
-            inside = slice(start, min(stop, rows))
-            np.matmul(first[inside].T, second[inside], out=into)
-        return found
+            inside = slice(start, start + len(mine))
+            kept = mine if self._kept is None else mine * self._kept[inside, None]
+            light = mine * self._weight[inside, None]
+            end = 0
+            for block in (*taken, moved):
+                begin, end = end, end + block.shape[1]
+                other = block[inside].T
+                rows = other.shape[1]
+                plain[place, begin:end, held:] = other @ kept[:rows]
+                weighted[place, begin:end, held:] = other @ light[:rows]
+        found[:, :, held:, :held] = found[:, :, :held, held:].swapaxes(2, 3)
+        return Products(plain, weighted)
 
 
 def _slow_top(
