@@ -121,9 +121,10 @@ def _products(
     columns: Float[np.ndarray, "ordinates columns"], weight: Float[np.ndarray, " ordinates"]
 ) -> Float[np.ndarray, "columns columns"]:
     """Weighted sums of products of amplitudes."""
-    return sum(
-        (columns[part] * weight[part, None]).T @ columns[part] for part in _parts(len(columns))
-    )
+    products = np.zeros((columns.shape[1], columns.shape[1]))
+    for part in _parts(len(columns)):
+        products += (columns[part] * weight[part, None]).T @ columns[part]
+    return products
 
 
 def _parts(ordinates: int) -> Iterable[slice]:
