@@ -54,7 +54,7 @@ def name_spikes(
     if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
         wrong = 0.0
     elif clear.mean() < _RARE:
-        _excise(state, clear, mean, seed)
+        _excise(state, clear, spiky.sigma**2 * mean, seed)
         wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
@@ -128,6 +128,7 @@ def _excise(
 ) -> None:
     """Put neighbours' means with noise of their own in place of spikes, for the analysis alone.
 
+    `mean` are the ordinates that are expected without spikes, which may have been most of them.
     Without that noise the spectrum would lack what was replaced. It is as strong as what all other
     samples leave open about one: the harmonic mean of the spectrum, which of white noise is all of
     it, and behind a filter nearly nothing.

@@ -9,6 +9,7 @@ from scipy.stats import nbinom
 
 from ._no_sensor import why_counter
 from ._recording import Channel
+from ._spikes import about_spikes, written
 from ._timestamps import SHORTEST_STRETCH
 from ._units import parse_unit
 from ._wording import count, percent, quantity
@@ -101,6 +102,7 @@ def about_samples(
         *_about_lost(samples, still, stretches, values.size, rate_hz),
         *_about_rails(values, ends, unit),
         *_about_repeats(values, ends, width),
+        *(() if coarse else about_spikes(values, unit)),
         *(_about_width(values, width, sigma, unit) if coarse else ()),
     )
 
@@ -211,11 +213,13 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     codes = [np.abs(fresh - end) / width for end in ends]
     # Of one code and less the mean itself may stand on the last.
     noisy = float(np.median(np.abs(np.diff(fresh)))) > 0.99 * width if fresh.size > 1 else False
-    return tuple(
+    found = tuple(
         float(end)
         for end, each in zip(ends, codes, strict=True)
         if _piled(each) or _between(each) or (noisy and _stops_falling(each))
     )
+    # Spikes that are cut off stand at both ends, far from all others.
+    return () if len(found) == 1 and written(fresh, found[0]) else found
 
 
 def _between(codes: Float64[np.ndarray, " fresh"]) -> bool:
