@@ -61,6 +61,17 @@ def test_spikes_no_larger_than_the_noise_are_told():
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.01)
 
 
+@pytest.mark.parametrize("places", [(700, 5_000, 31_313), (15, 700, 31_313, SAMPLES - 20)])
+def test_what_stands_in_for_tall_spikes_is_no_stronger_than_the_noise(places):
+    """A logger's zeros, 600 standard deviations down, also where the record begins and ends."""
+    values = np.random.default_rng(7).standard_normal(SAMPLES)
+    alone = float(np.std(values))
+    values[list(places)] = -600.0
+    state = named(values)
+    assert [finding.name for finding in state.findings] == ["outliers"]
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(alone, rel=2e-3)
+
+
 @pytest.mark.parametrize("freedom", [3, 4, 6, 10])
 def test_long_tails_are_told_as_such(freedom):
     """Student's distributions, whose variance is df/(df - 2); 3 has no fourth moment."""

@@ -6,6 +6,7 @@ import pytest
 from allanfit.recording import load
 from allanfit.recording._checks import code_width, rails, split
 from allanfit.recording._frozen import frozen
+from allanfit.recording._spikes import about_spikes
 
 SIZE = 30_000
 
@@ -47,8 +48,6 @@ def findings(samples: np.ndarray, archive) -> tuple[str, ...]:
         rounded(low_passed(white()), 0.5),
         rounded(white() + drift(), 0.5) + 10,
         np.round(white(), 6),
-        white() + 8 * (np.random.default_rng(5).random(SIZE) < 0.05) * white(6),
-        rounded(white() + 8 * (np.random.default_rng(5).random(SIZE) < 0.05) * white(6), 0.5),
         np.append(white(), 1e6),
         white() * np.repeat([1.0, 5.0], SIZE // 2),
         3 * np.sin(np.arange(SIZE) / 7) + 0.1 * white(),
@@ -67,8 +66,6 @@ def findings(samples: np.ndarray, archive) -> tuple[str, ...]:
         "codes and low-pass",
         "codes and drift",
         "six decimals",
-        "outliers",
-        "outliers in codes",
         "one wild value",
         "variance doubled",
         "line",
@@ -78,6 +75,22 @@ def findings(samples: np.ndarray, archive) -> tuple[str, ...]:
 )
 def test_healthy_samples_are_silent(samples, archive):
     assert findings(samples, archive) == ()
+
+
+@pytest.mark.parametrize("width", [1e-9, 0.5])
+def test_spikes_are_neither_rails_nor_repeats(width, archive):
+    spikes = 8 * (np.random.default_rng(5).random(SIZE) < 0.05) * white(6)
+    (finding,) = findings(rounded(white() + spikes, width), archive)
+    assert "stand alone" in finding
+    assert "all of exactly" not in finding
+
+
+@pytest.mark.parametrize("width", [1e-9, 0.05])
+def test_a_dead_band_is_no_slow_sensor(width, archive):
+    x = rounded(white(), width)
+    (finding,) = findings(np.where(np.abs(x) < 0.3, 0.0, x), archive)
+    assert "of the samples are exactly 0 deg/s" in finding
+    assert "dead band" in finding
 
 
 @pytest.mark.parametrize("repeat", [1.05, 2, 3, 10, 100])
@@ -180,6 +193,47 @@ def test_a_few_samples_on_a_rail_are_enough(clipped, found):
     rail = np.sort(x)[-clipped]
     ends = rails(np.minimum(x, rail), 1e-9)
     assert ends == ((rail,) if found else ())
+
+
+@pytest.mark.parametrize("number", [3, 90])
+def test_what_a_logger_fills_in_is_no_rail(number, archive):
+    """Zeros where gravity is measured; N follows from the mean square of second differences."""
+    x = 9.8 + 0.02 * white()
+    places = np.random.default_rng(1).permutation(SIZE // 40)[:number] * 40 + 20
+    filled = x.copy()
+    filled[places] = 0.0
+    assert rails(filled, 1e-9) == ()
+    (told,) = findings(filled, archive)
+    assert f"{number} samples (" in told
+    assert "all of exactly 0" in told
+    ratio = np.std(np.diff(filled, 2)) / np.std(np.diff(x, 2))
+    assert f"{ratio:.3g} times" in told
+
+
+@pytest.mark.parametrize("levels", [(-40.0, 40.0), (40.0,)])
+def test_spikes_that_are_cut_off_stand_at_a_rail(levels):
+    """At both ends, or at one that some do not reach."""
+    x = white()
+    places = np.random.default_rng(1).permutation(SIZE)[:60]
+    heights = 60 * np.random.default_rng(2).standard_normal(60)
+    x[places] += heights if len(levels) == 2 else np.abs(heights)
+    assert rails(np.clip(x, -40, 40), 1e-9) == levels
+
+
+@pytest.mark.parametrize("what", ["steps", "knocks", "tails", "few"])
+def test_what_does_not_stand_alone_is_no_spike(what):
+    x = white()
+    if what == "steps":
+        x += 100 * (np.arange(SIZE) // 5_000 % 2)
+    elif what == "knocks":
+        ring = 40 * np.exp(-np.arange(200) / 50) * np.sin(np.arange(200))
+        for at in (3_000, 9_000, 20_000):
+            x[at : at + 200] += ring
+    elif what == "tails":
+        x = np.random.default_rng(3).laplace(size=SIZE)
+    else:
+        x[[5_000, 9_000]] += 9
+    assert about_spikes(x, "m/s^2") == ()
 
 
 @pytest.mark.parametrize("width", [0.1, 0.5])

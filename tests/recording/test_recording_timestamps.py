@@ -125,6 +125,27 @@ def test_many_gaps_are_all_found():
     assert f"the longest {lengths.max() + 0.01:.4g} s at" in told.findings[0]
 
 
+@pytest.mark.parametrize("jitter", [0.0, 0.02, 0.05])
+def test_losses_are_counted_in_whole_samples_however_stamps_scatter(jitter):
+    """Single samples and runs of up to nine; the scatter is that part of an interval."""
+    rng = np.random.default_rng(4)
+    kept = rng.random(EVEN.size) > 0.004
+    for start in range(500, EVEN.size - 500, 1_000):
+        kept[start : start + rng.integers(2, 10)] = False
+    stamps = EVEN + jitter * 0.01 * rng.standard_normal(EVEN.size)
+    told = clock(stamps[kept])
+    assert told.rate_hz == pytest.approx(100, rel=2e-5)
+    assert told.lost == pytest.approx(1 - np.mean(kept), rel=0.01)
+
+
+def test_longer_losses_are_among_the_lost_where_single_ones_are():
+    kept = np.ones(EVEN.size, bool)
+    kept[1_000:1_030] = False
+    assert clock(EVEN[kept]).lost == 0.0
+    kept[5_000] = False
+    assert clock(EVEN[kept]).lost == pytest.approx(31 / EVEN.size, rel=1e-6)
+
+
 @pytest.mark.parametrize("fraction", [0.001, 0.01, 0.1])
 def test_single_losses_are_counted_and_do_not_cut(fraction):
     lost = random().choice(np.arange(1, EVEN.size - 50), round(fraction * EVEN.size), replace=False)

@@ -11,18 +11,16 @@ from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_end
 from ._lines import scan
 from ._ordinates import bin_edges, binned, ordinates
 from ._refit import rebin, refit
-from ._spikes import height_of, name_clear_spikes, name_spikes
+from ._spikes import height_of, hide_the_rest, name_clear_spikes, name_spikes
 from ._spread import PULLED_IN, Modulation, modulation
 from ._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ._vibration import away_from_edges, take_out, vibration
-from ._whiten import level
+from ._whiten import level, without_ends
 
 # Loud for less of the record, and by more, is a knock and no change of the noise.
 _KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 # Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
 _MOST_DOUBLINGS, _CLEARER = 8, 1.5
-# Samples at the ends of a record in which what leaks there is told.
-_END = 32
 # Short spectra of held or rounded values stand out by up to so many times as much by chance, by
 # records of white noise held up to seven samples long, or rounded to five times its deviation.
 _LONGER_TAIL = 3.0
@@ -36,6 +34,9 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     if at_the_ends is not None:
         knock(state, at_the_ends, whitened_pieces(state))
         return True
+    if hide_the_rest(state):
+        name_spikes(state, _white(state, ()), level(state.left, state.variance), seed)
+        refit(state)
     rough = whitened_piece(state, state.longest)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _white(state, notches)
@@ -209,21 +210,8 @@ def forget_loud_times(state: Investigation) -> None:
 def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray, " looked_at"]:
     """What is asked whether it lasts."""
     return np.concatenate(
-        [_without_ends(whitened_piece(state, piece, notches)) for piece in state.long_pieces]
+        [without_ends(whitened_piece(state, piece, notches)) for piece in state.long_pieces]
     )
-
-
-def _without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
-    """Other samples in place of the first and the last.
-
-    Where a filter leaves nothing, what the two ends of the record leak there becomes a knock at
-    either end when it is made white. A record of hardly more than its ends stays as it is.
-    """
-    if white.size < 4 * _END:
-        return white
-    white = white.copy()
-    white[:_END], white[-_END:] = white[_END : 2 * _END], white[-2 * _END : -_END]
-    return white
 
 
 def _loud_variance(state: Investigation, changing: Modulation) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import irfft
 
+from ..recording._spikes import alone
 from . import _discrete
 from ._held_out_values import of_events, of_spikes
 from ._ordinates import amplitudes
@@ -11,6 +12,7 @@ from ._refit import rebin
 from ._skewness import leans
 from ._spread import Contamination, contamination
 from ._state import Finding, Investigation
+from ._whiten import END
 
 # Spikes more frequent than this are what the noise is like: cut out, they would take its spectrum
 # with them.
@@ -24,6 +26,18 @@ _LONG_TAILED = 60.0
 # much of the variance is uniform at most.
 _KERNEL = 4096
 _NARROWEST, _MOST_UNIFORM = 0.02, 0.9
+# Standard deviations of a spike that passes for a step, a knock, or a time that is loud.
+_TALL = 30.0
+# Samples on either side that tell where one should be, and how many times as far a spike has to be
+# from their median as one that was made white.
+_BESIDE, _BEYOND = 4, 1.5
+
+
+def hide_the_rest(state: Investigation) -> bool:
+    """Whether single samples are so tall that nothing else can be told beside them."""
+    if state.contamination is not None or not state.format.normal:
+        return False
+    return any(alone(state.values[a:b], _TALL)[0].size for a, b in state.long_pieces)
 
 
 def name_spikes(
@@ -33,6 +47,8 @@ def name_spikes(
     seed: int,
 ) -> None:
     """Name values that are larger than normal noise has them, and count them out of N."""
+    if state.contamination is not None:
+        return
     boxes = _uniform_parts(state, mean)
     spiky = contamination(even, seed, boxes)
     state.witness(
@@ -44,7 +60,7 @@ def name_spikes(
     spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
     # Small ones, or noise with long tails. A mixture of two shapes of one width has short tails.
     tails = spiky.gain > _LONG_TAILED and spiky.amplitude > spiky.sigma / 2
-    if state.contamination is not None or not (spikes or tails):
+    if not (spikes or tails):
         return
     height = height_of(mean)
     _take_spikes(state, spiky, height)
@@ -54,6 +70,7 @@ def name_spikes(
     if spiky.fraction > USUAL or state.leans < np.log(state.alarm):
         wrong = 0.0
     elif clear.mean() < _RARE:
+        clear |= _at_ends(state, _BEYOND * spiky.threshold / height)
         _excise(state, clear, spiky.sigma**2 * mean, seed)
         wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
     else:
@@ -120,6 +137,20 @@ def _in_units(found: Contamination, height: float) -> Contamination:
     )
 
 
+def _at_ends(state: Investigation, least: float) -> Bool[np.ndarray, " looked_at"]:
+    """Spikes among the samples at the ends, which are not made white: far from those about them."""
+    found = np.zeros(state.looked_at.size, bool)
+    begin = 0
+    for start, stop in state.long_pieces:
+        x = state.values[start:stop]
+        ends = [*range(END), *range(x.size - END, x.size)] if x.size >= 4 * END else []
+        for at in ends:
+            near = x[max(at - _BESIDE, 0) : at + _BESIDE + 1]
+            found[begin + at] = abs(x[at] - np.median(near)) > least
+        begin += x.size
+    return found
+
+
 def _excise(
     state: Investigation,
     clear: Bool[np.ndarray, " looked_at"],
@@ -138,7 +169,7 @@ def _excise(
     good, wrong = state.looked_at[~clear], state.looked_at[clear]
     for at, own in zip(wrong, noise, strict=True):
         place = int(np.searchsorted(good, at))
-        near = good[max(place - 4, 0) : place + 4]
+        near = good[max(place - _BESIDE, 0) : place + _BESIDE]
         values[at] = values[near].mean() + own
     state.values = values
     _read_again(state)

@@ -96,7 +96,7 @@ class Blocks:
 
     @property
     def lost(self) -> float:
-        """Share of the samples that, by the time stamps, were lost a few at a time, so far."""
+        """Share of the samples that were lost by the time stamps, as `Recording.lost`, so far."""
         return self._lost / self._samples
 
     @property

@@ -34,6 +34,8 @@ _IN_CODE, _BEYOND, _DEVIATIONS = 50, 1.3, 5.0
 # Parts of a code within which a value lies on one, codes over which their width is known as well,
 # and how much alike the places of values between two codes are then.
 _AT_CODE, _NEAR, _ALIKE = 0.02, 8.0, 0.95
+# Of repeats in a dead band as many are of one value.
+_NEARLY_ALL = 0.8
 _WINDOW = 64
 
 
@@ -101,7 +103,7 @@ def about_samples(
     return (
         *_about_lost(samples, still, stretches, values.size, rate_hz),
         *_about_rails(values, ends, unit),
-        *_about_repeats(values, ends, width),
+        *_about_repeats(values, ends, width, unit),
         *(() if coarse else about_spikes(values, unit)),
         *(_about_width(values, width, sigma, unit) if coarse else ()),
     )
@@ -219,7 +221,7 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
         if _piled(each) or _between(each) or (noisy and _stops_falling(each))
     )
     # Spikes that are cut off stand at both ends, far from all others.
-    return () if len(found) == 1 and written(fresh, found[0]) else found
+    return () if len(found) == 1 and written(values, fresh, found[0]) else found
 
 
 def _between(codes: Float64[np.ndarray, " fresh"]) -> bool:
@@ -283,8 +285,10 @@ class Repeats(NamedTuple):
     #: What rounding makes of fresh values, as it seems, and at most.
     by_chance: float
     most_by_chance: float
-    #: Whether the share is beyond chance.
+    #: Whether the share is beyond chance, at values of all kinds: the sensor is read too fast.
     beyond: bool
+    #: The one value at which it is beyond chance, as within a dead band; NaN if there is none.
+    dead: float = np.nan
 
 
 def repeated(
@@ -316,17 +320,32 @@ def repeated(
         np.unique_counts(codes).counts.max() / codes.size * changes.size / (2 * steps.size),
     )
     beyond = repeats >= max(0.01 + most, 1.5 * most, 10 / values.size)
+    dead = _one_value(values[1:][np.diff(values) == 0]) if beyond else np.nan
     # A parabola in the logarithm, as that of a normal distribution, through the same two bins.
     step_codes = np.arange(1, 2 * bin_codes + 1).reshape(2, bin_codes)
     inner, outer = np.mean(step_codes**2, axis=1)
     likely = near * (near / far) ** (inner / (outer - inner)) if far > 0 else most
-    return Repeats(float(repeats), float(min(likely, most)), float(most), bool(beyond))
+    held = bool(beyond) and not np.isfinite(dead)
+    return Repeats(float(repeats), float(min(likely, most)), float(most), held, dead)
+
+
+def _one_value(again: Float64[np.ndarray, " repeats"]) -> float:
+    """The value of nearly all repeats; NaN if they have many, as those of a slow sensor do."""
+    found, times = np.unique_counts(again)
+    return float(found[np.argmax(times)]) if times.max() > _NEARLY_ALL * again.size else np.nan
 
 
 def _about_repeats(
-    values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], width: float
+    values: Float64[np.ndarray, " usable"], ends: tuple[float, ...], width: float, unit: str
 ) -> tuple[str, ...]:
     found = repeated(values, ends, width)
+    if np.isfinite(found.dead):
+        return (
+            f"{percent(np.mean(values == found.dead))} of the samples are exactly "
+            f"{quantity(found.dead, unit)}, many more than are near it: values within a dead band "
+            "come out as one, and N is not that of the sensor. Switch the dead band off, or record "
+            "what is before it.",
+        )
     if not found.beyond:
         return ()
     return (

@@ -57,7 +57,7 @@ class Recording:
     """SHA-256 of the samples and SI units of the channels, in order, as float64, then of the
     temperatures beside them: of all that a result depends on, and nothing else of the file."""
     lost: float = 0.0
-    """Share of the samples that, by the time stamps, were lost a few at a time."""
+    """Share of the samples that, by the time stamps, were lost, where some were a few at a time."""
     losses: tuple[tuple[int, int], ...] = ()
     """Index of the first sample after each of these losses, and how many were lost."""
 

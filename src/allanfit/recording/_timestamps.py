@@ -60,7 +60,7 @@ class Clock:
     findings: tuple[str, ...]
     """Gaps, repeats, jitter, doubts about the unit or the given rate."""
     lost: float = 0.0
-    """Share of the samples that were lost a few at a time."""
+    """Share of the samples that were lost, where some were a few at a time; no long gaps."""
     losses: tuple[tuple[int, int], ...] = ()
     """Index of the first sample after each of these losses, and how many were lost."""
     unit: str = ""
@@ -118,6 +118,9 @@ def read_clock(
     for _ in range(2):
         lost = _lost_time(time, interval)
         lost[lost < (0.5 if regular else _GAP) * interval] = 0.0
+        # A few are whole samples; of what follows them the earliest stamp is earlier than it should
+        # be by all that stamps scatter.
+        lost = np.where(lost < _GAP * interval, np.round(lost / interval) * interval, lost)
         set_back = steps < -_GAP * interval
         lost[set_back] = steps[set_back] - interval
         # Nothing follows the last few that could tell whether they are late.
@@ -127,7 +130,8 @@ def read_clock(
             raise _unusable("they do not increase")
     gaps = np.flatnonzero(lost >= _GAP * interval)
     few = np.flatnonzero((lost > 0) & (lost < _GAP * interval))
-    dropped = round(float(lost[few].sum() / interval))
+    counts = np.round(lost / interval).astype(int)
+    dropped = int(counts[few].sum())
     # More digits than stamps carry would only be the rounding of the sum.
     rate_hz = float(f"{1 / interval:.9g}")
     findings += doubt
@@ -142,9 +146,10 @@ def read_clock(
     findings += _about_jitter(steps - lost, interval)
     findings += _about_rate(rate_hz, given_hz)
     breaks = np.union1d(gaps, np.flatnonzero(set_back)) + 1
-    lost_share = dropped / (steps.size + dropped)
-    counts = np.maximum(np.round(lost[few] / interval), 1).astype(int)
-    losses = tuple(zip((few + 1).tolist(), counts.tolist(), strict=True))
+    # Where single samples are lost, so are the longer runs: no more than a pause is.
+    brief = int(counts[(counts > 0) & (counts < CATCH_UP)].sum()) if dropped else 0
+    lost_share = brief / (steps.size + brief)
+    losses = tuple(zip((few + 1).tolist(), counts[few].tolist(), strict=True))
     return Clock(rate_hz, tuple(breaks.tolist()), findings, lost_share, losses, counted)
 
 
