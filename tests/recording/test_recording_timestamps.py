@@ -143,7 +143,7 @@ def test_longer_losses_are_among_the_lost_where_single_ones_are():
     kept[1_000:1_030] = False
     assert clock(EVEN[kept]).lost == 0.0
     kept[5_000] = False
-    assert clock(EVEN[kept]).lost == pytest.approx(31 / EVEN.size, rel=1e-6)
+    assert clock(EVEN[kept]).lost == pytest.approx(31 / EVEN.size, rel=1e-3)
 
 
 @pytest.mark.parametrize("fraction", [0.001, 0.01, 0.1])

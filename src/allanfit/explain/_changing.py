@@ -150,15 +150,18 @@ def moved_along(
     return gain, float(min(0.0, log_p))
 
 
-def swinging(white: Float[np.ndarray, " samples"]) -> tuple[float, float] | None:
+def swinging(
+    white: Float[np.ndarray, " samples"], longest: float = np.inf
+) -> tuple[float, float] | None:
     """Period [samples] and log chance of noise whose strength swings, too fast for `_spread`.
 
-    The squares of a white record are white; a periodic strength is a line among them.
+    The squares of a white record are white; a periodic strength is a line among them. Periods from
+    `longest` on are not looked at.
     """
     squares = white**2 - np.mean(white**2)
     power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
     usable = np.zeros(power.size, bool)
-    usable[_FEWEST_SWINGS : -1 - _FEWEST_SWINGS] = True
+    usable[max(_FEWEST_SWINGS, int(white.size / longest) + 1) : -1 - _FEWEST_SWINGS] = True
     if usable.sum() < TILE:
         return None
     # A strong resonance makes the squares uneven: each stretch of them by its own median.

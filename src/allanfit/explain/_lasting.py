@@ -11,7 +11,7 @@ from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_end
 from ._lines import scan
 from ._ordinates import bin_edges, binned, ordinates
 from ._refit import rebin, refit
-from ._spikes import height_of, hide_the_rest, name_clear_spikes, name_spikes
+from ._spikes import height_of, name_clear_spikes, name_spikes, take_out_spikes, tall_spikes
 from ._spread import PULLED_IN, Modulation, modulation
 from ._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ._vibration import away_from_edges, take_out, vibration
@@ -34,9 +34,9 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     if at_the_ends is not None:
         knock(state, at_the_ends, whitened_pieces(state))
         return True
-    if hide_the_rest(state):
-        name_spikes(state, _white(state, ()), level(state.left, state.variance), seed)
-        refit(state)
+    tall = tall_spikes(state)
+    if tall.any():
+        _name_tall_spikes(state, tall, seed)
     rough = whitened_piece(state, state.longest)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _white(state, notches)
@@ -87,6 +87,18 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     if loud or state.contamination is not None:
         refit(state)
     return False
+
+
+def _name_tall_spikes(
+    state: Investigation, tall: Bool[np.ndarray, " looked_at"], seed: int
+) -> None:
+    """Name spikes that hide the rest, by what is made white without them."""
+    heights = take_out_spikes(state, tall)
+    mean = level(state.left, state.variance)
+    even = _white(state, ())
+    even[tall] = heights * height_of(mean)
+    name_spikes(state, even, mean, seed)
+    refit(state)
 
 
 def _knocked(

@@ -8,7 +8,7 @@ from ..recording._spikes import alone
 from . import _discrete
 from ._held_out_values import of_events, of_spikes
 from ._ordinates import amplitudes
-from ._refit import rebin
+from ._refit import rebin, refit
 from ._skewness import leans
 from ._spread import Contamination, contamination
 from ._state import Finding, Investigation
@@ -33,11 +33,26 @@ _TALL = 30.0
 _BESIDE, _BEYOND = 4, 1.5
 
 
-def hide_the_rest(state: Investigation) -> bool:
-    """Whether single samples are so tall that nothing else can be told beside them."""
-    if state.contamination is not None or not state.format.normal:
-        return False
-    return any(alone(state.values[a:b], _TALL)[0].size for a, b in state.long_pieces)
+def tall_spikes(state: Investigation) -> Bool[np.ndarray, " looked_at"]:
+    """Single samples so tall that nothing else can be told beside them."""
+    found = np.zeros(state.looked_at.size, bool)
+    begin = 0
+    if state.contamination is None and state.format.normal:
+        for start, stop in state.long_pieces:
+            found[begin + alone(state.values[start:stop], _TALL)[0]] = True
+            begin += stop - start
+    return found
+
+
+def take_out_spikes(
+    state: Investigation, spikes: Bool[np.ndarray, " looked_at"]
+) -> Float[np.ndarray, " spikes"]:
+    """Put neighbours' means in place of spikes, and tell how far from there they were [u]."""
+    at = state.looked_at[spikes]
+    before = state.values[at]
+    _excise(state, spikes, 0.0, 0)
+    refit(state)
+    return before - state.values[at]
 
 
 def name_spikes(
@@ -71,7 +86,9 @@ def name_spikes(
         wrong = 0.0
     elif clear.mean() < _RARE:
         clear |= _at_ends(state, _BEYOND * spiky.threshold / height)
-        _excise(state, clear, spiky.sigma**2 * mean, seed)
+        # What all other samples leave open about one is the harmonic mean of the spectrum: of white
+        # noise all of it, and behind a filter nearly nothing.
+        _excise(state, clear, spiky.sigma * float(np.sqrt(1 / np.mean(2 / mean))), seed)
         wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
@@ -154,17 +171,15 @@ def _at_ends(state: Investigation, least: float) -> Bool[np.ndarray, " looked_at
 def _excise(
     state: Investigation,
     clear: Bool[np.ndarray, " looked_at"],
-    mean: Float[np.ndarray, " ordinates"],
+    deviation: float,
     seed: int,
 ) -> None:
     """Put neighbours' means with noise of their own in place of spikes, for the analysis alone.
 
-    `mean` are the ordinates that are expected without spikes, which may have been most of them.
-    Without that noise the spectrum would lack what was replaced. It is as strong as what all other
-    samples leave open about one: the harmonic mean of the spectrum, which of white noise is all of
-    it, and behind a filter nearly nothing.
+    Of the standard `deviation` of the noise without spikes [u]: else the spectrum would lack what
+    was replaced.
     """
-    noise = np.sqrt(1 / np.mean(2 / mean)) * np.random.default_rng(seed).normal(size=clear.sum())
+    noise = deviation * np.random.default_rng(seed).normal(size=clear.sum())
     values = state.values.copy()
     good, wrong = state.looked_at[~clear], state.looked_at[clear]
     for at, own in zip(wrong, noise, strict=True):

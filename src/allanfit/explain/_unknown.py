@@ -226,7 +226,9 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         loud = state.flags(state.modulation.loud)[slice(*state.longest)]
         white = white / np.where(loud, state.modulation.ratio, 1.0)
     white = np.clip(white / white.std(), -PULLED_IN, PULLED_IN)
-    found = swinging(white)
+    # What loud times tell of already comes again at the harmonics of how often there are any.
+    longest = np.inf if state.modulation is None else 2.0 * state.modulation.window
+    found = swinging(white, longest)
     if found is None:
         return
     period, log_p = found

@@ -21,6 +21,8 @@ _SEARCH_STEPS, _BEST = 60, 4
 _SCORING_STEPS = 40
 _STEP_LENGTHS = np.array([1.0, 0.5, 0.2, 0.05, 0.01, 0.0])
 _POLISHING_STEPS = 64
+# Sums of squares change by no more than that when a coefficient changes by a factor of e.
+_FLAT = 1e-4
 
 
 class LeastSquares(NamedTuple):
@@ -31,7 +33,7 @@ class LeastSquares(NamedTuple):
     #: Sum of squares at the solution, and with each term left out, shapes () and (4,).
     deviance: Float[Array, ""]
     deviance_without: Float[Array, " terms"]
-    #: Whether the solver met its tolerance.
+    #: Whether the solver met its tolerance, or hardly anything is to be gained any more.
     converged: Bool[Array, ""]
 
 
@@ -83,11 +85,14 @@ def least_squares(
     )
     power = jnp.where(present, jnp.exp(solution.value), 0.0)
     deviance = jnp.sum(deviance_residuals(power, density, scaled, shape) ** 2)
+    # Where two terms look alike it creeps along a floor that is flat; there it has arrived too.
+    slope = jax.grad(lambda log_power: jnp.sum(residuals(log_power, constants[0])[0] ** 2))
+    flat = jnp.sum(jnp.abs(slope(jax.lax.stop_gradient(solution.value)))) < _FLAT
     return LeastSquares(
         power * scale,
         deviance,
         jnp.maximum(deviances[-4:], deviance),
-        (solution.result == optx.RESULTS.successful) & jnp.isfinite(deviance),
+        ((solution.result == optx.RESULTS.successful) | flat) & jnp.isfinite(deviance),
     )
 
 

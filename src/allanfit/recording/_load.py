@@ -3,7 +3,7 @@
 import hashlib
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,9 +25,11 @@ from ._wording import count
 _RATES = (1e-6, 1e9)
 _MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
 _KIND_BY_NAME = (
-    ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)", re.IGNORECASE)),
-    ("accelerometer", re.compile(r"acc", re.IGNORECASE)),
+    ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)|^w[_ ]?[xyz]$", re.IGNORECASE)),
+    ("accelerometer", re.compile(r"acc|^a[_ ]?[xyz]$", re.IGNORECASE)),
 )
+# Beside `ax` a gyro; alone perhaps gravity.
+_RATE_OR_GRAVITY = re.compile(r"g([_ ]?[xyz])", re.IGNORECASE)
 
 
 def load(
@@ -208,7 +210,7 @@ def units_of(
     units = {
         name: Unit(table.unit(name), si_unit=table.unit(name))
         if name in aside
-        else _unit(name, table.units.get(name, ""), given)
+        else _unit(name, table.units.get(name, ""), given, names)
         for name in names
     }
     if given is not None and given not in units.values():
@@ -220,22 +222,26 @@ def units_of(
     return units
 
 
-def _unit(name: str, stated: str, given: Unit | None) -> Unit:
+def _unit(name: str, stated: str, given: Unit | None, names: list[str]) -> Unit:
     try:
         unit = parse_unit(stated or unit_in_name(name))
-    except RecordingError:
+    except RecordingError as error:
         if given is None:
-            raise
+            what = f"The column {name}: {error} Or say with --channel which columns to analyse."
+            raise RecordingError(what) from error
         unit, stated = Unit(""), ""
     if given is None:
         return unit
     measured = None if unit.kind == "other" else unit.kind
-    kind = unit.kind if stated else _kind_by_name(name) or measured
+    kind = unit.kind if stated else _kind_by_name(name, names) or measured
     fits = kind in (None, given.kind) or (given.kind == "other" and not stated)
     return given if fits else unit
 
 
-def _kind_by_name(name: str) -> str | None:
+def _kind_by_name(name: str, names: Iterable[str] = ()) -> str | None:
+    rate = _RATE_OR_GRAVITY.fullmatch(name)
+    if rate and f"a{rate[1]}".casefold() in map(str.casefold, names):
+        return "gyro"
     return next((kind for kind, pattern in _KIND_BY_NAME if pattern.search(name)), None)
 
 
@@ -261,7 +267,7 @@ def about_units(units: dict[str, Unit], table: Table, override: str | None) -> l
             "give one, as in --unit deg/s or --unit m/s^2, for those of a data sheet."
         )
     for name, unit in units.items():
-        expected = _kind_by_name(name)
+        expected = _kind_by_name(name, units)
         if unit.kind != "other" and expected not in (None, unit.kind):
             findings.append(f"The unit {unit.name} of {name} is not one of a {expected}.")
     return findings

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float64, Int
 
-from ._wording import count, percent, quantity
+from ._wording import count, percent
 
 # Of so many samples the scatter is known well enough.
 _ENOUGH = 200_000
@@ -33,7 +33,7 @@ def about_spikes(values: Float64[np.ndarray, " usable"], unit: str) -> tuple[str
     if not ratio > _LEAST:
         return ()
     found = values[at]
-    same = f", all of exactly {quantity(found[0], unit)}," if np.ptp(found) == 0 else ""
+    same = f", all of exactly {f'{found[0]:.6g} {unit}'.rstrip()}," if np.ptp(found) == 0 else ""
     return (
         f"{count(at.size, 'sample')} ({percent(at.size / values.size)}){same} stand alone, more "
         f"than {_FAR:.0f} standard deviations from those beside them, as errors in transmission or "
