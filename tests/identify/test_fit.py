@@ -103,6 +103,7 @@ def test_batch_equals_loop_and_one_broken_sensor_leaves_the_others():
         )
     broken = allanfit.fit_many(batch.at[1, 100].set(jnp.nan), 50.0)
     assert broken.converged.tolist() == [True, False, True]
+    assert all(jnp.isnan(broken.coefficients[symbol][1]) for symbol in "QNBKR")
     for i in (0, 2):
         for symbol in "QNBKR":
             assert broken.coefficients[symbol][i] == together.coefficients[symbol][i]

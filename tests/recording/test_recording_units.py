@@ -202,3 +202,40 @@ def test_temperatures_by_the_end_of_their_names(name, offset, archive, noise):
     assert (temperature.kind, temperature.findings) == ("temperature", ())
     np.testing.assert_allclose(temperature.samples, warm, atol=1e-9)
     assert len(recording.findings) == 1
+
+
+def six_axes(noise: np.ndarray) -> dict[str, object]:
+    return dict.fromkeys(("gx", "gy", "gz", "ax", "ay", "az"), noise[:, 0]) | {"rate_hz": 100.0}
+
+
+def test_units_of_two_kinds_go_by_names(archive, noise):
+    recording = load(archive(**six_axes(noise)), unit="deg/s, m/s^2")
+    assert units_of(recording) == ["deg/s"] * 3 + ["m/s^2"] * 3
+    # Of one alone the others have none, and are no gyros.
+    recording = load(archive(**six_axes(noise)), unit="deg/s")
+    assert units_of(recording) == ["deg/s"] * 3 + [""] * 3
+    assert "No unit is known for ax, ay, az" in recording.findings[0]
+
+
+@pytest.mark.parametrize("given", ["1/131 deg/s", "0.0076335877862595419 deg/s", "1 / 131 * deg/s"])
+def test_raw_codes_have_a_scale_factor(given, archive, noise):
+    codes = np.round(noise[:, 0] * 1000)
+    (channel,) = load(archive(gyro_x=codes, rate_hz=100.0), unit=given).channels
+    assert channel.unit == "deg/s"
+    np.testing.assert_allclose(channel.samples, codes / 131 * np.pi / 180, rtol=1e-14)
+    (run, *_) = read_in_blocks(archive(gyro_x=codes, rate_hz=100.0), unit=given)
+    np.testing.assert_allclose(run.samples, codes / 131 * np.pi / 180, rtol=1e-14)
+
+
+@pytest.mark.parametrize("given", ["0/131 deg/s", "1/0 deg/s", "1e400 deg/s", "1.2.3 deg/s"])
+def test_a_scale_factor_is_a_positive_number(given, archive, noise):
+    with pytest.raises(RecordingError, match="scale factor"):
+        load(archive(gyro_x=noise[:, 0], rate_hz=100.0), unit=given)
+
+
+def test_a_column_in_an_unknown_unit_is_named(archive, noise):
+    units = '{"gyro_x": "deg/s", "pressure": "hPa"}'
+    path = archive(gyro_x=noise[:, 0], pressure=noise[:, 1], rate_hz=100.0, units=units)
+    with pytest.raises(RecordingError, match=r"The column pressure: .*'hPa'.* --channel"):
+        load(path)
+    assert load(path, channels="gyro_x").channels[0].name == "gyro_x"

@@ -67,7 +67,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         mean = level(state.left, state.variance)
         even = _white(state, notches)
     else:
-        even = _evened(white, changing.loud) if loud else white
+        even = _evened(white, changing) if loud else white
     knocked = _knocked(state, white, even)
     if knocked is not None and may_cut:
         if steps_instead(state, knocked):
@@ -81,7 +81,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         _count_out(state, changing)
         _name_loud_times(state, changing, of_loud_times(heard, seed))
     if state.format.normal:
-        name_spikes(state, even, mean, seed)
+        name_spikes(state, even, mean, seed, ~changing.loud if loud else None)
     else:
         name_clear_spikes(state, even, height_of(mean), seed)
     if loud or state.contamination is not None:
@@ -124,10 +124,15 @@ def _knocked(
 
 
 def _evened(
-    white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samples"]
+    white: Float[np.ndarray, " samples"], changing: Modulation
 ) -> Float[np.ndarray, " samples"]:
     """As strong at loud times as at quiet ones, but for spikes."""
+    loud = changing.loud
     even = np.where(loud, white / white[loud].std(), white / white[~loud].std())
+    # Where they begin and end is known to a window: what is strong there is no spike.
+    for edge in np.flatnonzero(np.diff(loud)) + 1:
+        near = even[max(edge - changing.window, 0) : edge + changing.window]
+        near /= max(1.0, 1.4826 * float(np.median(np.abs(near))))
     return even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
 
 

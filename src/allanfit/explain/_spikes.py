@@ -26,6 +26,8 @@ _LONG_TAILED = 60.0
 # much of the variance is uniform at most.
 _KERNEL = 4096
 _NARROWEST, _MOST_UNIFORM = 0.02, 0.9
+# By chance the quiet times may seem to have spikes as often.
+_IN_QUIET = 0.01
 # Standard deviations of a spike that passes for a step, a knock, or a time that is loud.
 _TALL = 30.0
 # Samples on either side that tell where one should be, and how many times as far a spike has to be
@@ -60,8 +62,12 @@ def name_spikes(
     even: Float[np.ndarray, " looked_at"],
     mean: Float[np.ndarray, " ordinates"],
     seed: int,
+    quiet: Bool[np.ndarray, " looked_at"] | None = None,
 ) -> None:
-    """Name values that are larger than normal noise has them, and count them out of N."""
+    """Name values that are larger than normal noise has them, and count them out of N.
+
+    Where there are loud times, the `quiet` ones have to have them too: vibration is not normal.
+    """
     if state.contamination is not None:
         return
     boxes = _uniform_parts(state, mean)
@@ -76,6 +82,8 @@ def name_spikes(
     # Small ones, or noise with long tails. A mixture of two shapes of one width has short tails.
     tails = spiky.gain > _LONG_TAILED and spiky.amplitude > spiky.sigma / 2
     if not (spikes or tails):
+        return
+    if quiet is not None and contamination(even[quiet], seed, boxes).p_value > _IN_QUIET:
         return
     height = height_of(mean)
     _take_spikes(state, spiky, height)

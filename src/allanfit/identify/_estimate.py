@@ -157,6 +157,8 @@ def conclude(
     positive = solution.power > 0
     coefficients = jnp.where(positive, jnp.sqrt(jnp.where(positive, solution.power, 1.0)), 0.0)
     fitted = jnp.sum(positive)
+    # Of samples that are NaN, or all alike, nothing is known.
+    scale = jnp.where(jnp.isfinite(solution.deviance), scale, jnp.nan)
     return {
         "least_squares": jnp.append(coefficients, slope) * scale,
         "draws": jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1) * scale,

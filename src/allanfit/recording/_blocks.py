@@ -166,7 +166,13 @@ class Blocks:
                 known = size - CATCH_UP
             breaks = self._judge(replace(table, columns=columns), known)
             held = {name: column[known:] for name, column in columns.items()}
-            yield {name: columns[name][:known].astype(float) for name in self._asked}, breaks
+            yield (
+                {
+                    name: columns[name][:known].astype(float) * self._units[name].scale
+                    for name in self._asked
+                },
+                breaks,
+            )
 
     def _columns(self, table: Table) -> dict[str, np.ndarray]:
         size = max(column.size for column in table.columns.values())

@@ -18,7 +18,7 @@ from ._recording import Channel, NoRateError, Progress, Recording, RecordingErro
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
 from ._unit_endings import unit_in_name
-from ._units import Unit, parse_unit
+from ._units import Unit, parse_given, parse_unit
 from ._wording import count
 
 # From a clock compared once a week to what no converter reaches.
@@ -52,7 +52,8 @@ def load(
     - `channels`: names of the channels to analyse. Without it all are but temperatures,
         magnetometers and time stamps.
     - `unit`: the unit of the channels, `deg/s` for instance, in place of the file's. It applies
-        to channels that have none or one of the same kind.
+        to channels that have none or one of the same kind. Units of two kinds have a comma between
+        them, `deg/s, g`; raw codes a scale factor before the unit, `1/131 deg/s`.
     - `topic`: which part of a file to read that holds several: a topic of a bag or log, a group
         of HDF5, a structure of a MAT-file. `allanfit.recording.contents` lists them.
     - `progress`: called now and then with the messages read and their number, for bags.
@@ -91,7 +92,7 @@ def load(
     units = units_of(asked, aside, table, unit)
     kept, left_out = [], []
     for name in asked:
-        values = table.columns[name].astype(np.float64)
+        values = table.columns[name].astype(np.float64) * units[name].scale
         still = frozen(values)
         stretches = split(np.isfinite(values) & ~still, clock.breaks)
         used = usable(values, stretches)
@@ -206,36 +207,39 @@ def units_of(
     names: list[str], aside: set[str], table: Table, override: str | None
 ) -> dict[str, Unit]:
     """The unit of each channel, `override` put in place where it fits."""
-    given = None if override is None else parse_unit(override)
+    given = [] if override is None else parse_given(override)
     units = {
         name: Unit(table.unit(name), si_unit=table.unit(name))
         if name in aside
         else _unit(name, table.units.get(name, ""), given, names)
         for name in names
     }
-    if given is not None and given not in units.values():
-        raise RecordingError(
-            f"The unit {given.name} fits none of the channels: "
-            + ", ".join(f"{name} is in {unit.name or 'no unit'}" for name, unit in units.items())
-            + "."
-        )
+    for each in given:
+        if each not in units.values():
+            raise RecordingError(
+                f"The unit {each.name} fits none of the channels: "
+                + ", ".join(
+                    f"{name} is in {unit.name or 'no unit'}" for name, unit in units.items()
+                )
+                + "."
+            )
     return units
 
 
-def _unit(name: str, stated: str, given: Unit | None, names: list[str]) -> Unit:
+def _unit(name: str, stated: str, given: list[Unit], names: list[str]) -> Unit:
     try:
         unit = parse_unit(stated or unit_in_name(name))
     except RecordingError as error:
-        if given is None:
+        if not given:
             what = f"The column {name}: {error} Or say with --channel which columns to analyse."
             raise RecordingError(what) from error
         unit, stated = Unit(""), ""
-    if given is None:
-        return unit
     measured = None if unit.kind == "other" else unit.kind
     kind = unit.kind if stated else _kind_by_name(name, names) or measured
-    fits = kind in (None, given.kind) or (given.kind == "other" and not stated)
-    return given if fits else unit
+    fitting = (
+        each for each in given if kind in (None, each.kind) or (each.kind == "other" and not stated)
+    )
+    return next(fitting, unit)
 
 
 def _kind_by_name(name: str, names: Iterable[str] = ()) -> str | None:
@@ -255,7 +259,8 @@ def about_units(units: dict[str, Unit], table: Table, override: str | None) -> l
     """Findings on units that are missing, in names, or do not go with the name of their channel."""
     findings, ends = [], {}
     for name, unit in units.items():
-        if not table.units.get(name) and unit.name not in ("", (override or "").strip()):
+        given = [each.name for each in parse_given(override)] if override else []
+        if not table.units.get(name) and unit.name not in ("", *given):
             ends[unit.name] = [*ends.get(unit.name, []), name]
     if ends:
         told = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in ends.items())

@@ -104,7 +104,8 @@ def _about_counts(channel: Channel) -> tuple[str, ...]:
         return ()
     return (
         f"All samples of {channel.name} are whole numbers of {channel.unit}, as raw counts are: if "
-        "so, give --unit counts, or multiply them by the scale factor of the data sheet.",
+        f"so, give the scale factor of the data sheet before the unit, as in --unit '1/131 "
+        f"{channel.unit}', or --unit counts.",
     )
 
 

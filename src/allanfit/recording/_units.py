@@ -6,7 +6,7 @@ and rad/s cannot be told from Hz.
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from tokenize import TokenError
 
 import pint
@@ -66,6 +66,8 @@ _PLAUSIBLE = re.compile(r"(?:[A-Za-z_]++|[*/ ]|(?:\^|\*\*)-?[1-9](?![\d^]|\*\*))
 _ROOT = re.compile(
     r"(?:√|sqrt|rt|root)[\s-]*(\()?\s*(hz|hours?|hr|h|seconds?|sec|s)\b\s*(?(1)\))", re.IGNORECASE
 )
+# A number, perhaps by another, and a unit.
+_SCALED = re.compile(r"\s*([\d.][\d.eE+-]*)\s*(?:/\s*([\d.][\d.eE+-]*))?\s*[* ]\s*(\D.*)")
 _COMPOUND = re.compile(_PLAUSIBLE.pattern.replace("[*/ ]", "[*/ ()]"))
 
 # The parser fails in many ways on what is no unit; all mean the same here.
@@ -97,6 +99,8 @@ class Unit:
     """`rad/s`, `m/s^2`, or the name itself."""
     kind: str = "other"
     """`gyro`, `accelerometer` or `other`."""
+    scale: float = 1.0
+    """How many of it one in the file is: other than 1 for raw codes."""
 
 
 # In words, or after a degree sign or `deg`; letters alone are capitals, since k and f are prefixes.
@@ -149,6 +153,32 @@ def parse_unit(name: str) -> Unit:
             factor = _REGISTRY.Quantity(1.0, parsed).to(target).magnitude
             return Unit(text, float(factor), si_unit, kind)
     return Unit(text, si_unit=text)
+
+
+def parse_given(text: str) -> list[Unit]:
+    """The units that a user gives, with commas between, each perhaps behind a scale factor.
+
+    As in `deg/s, g` for channels of both kinds, and in `1/131 deg/s` or `61e-6 g` for raw codes.
+
+    **Raises** `RecordingError` as `parse_unit` does, and for a factor that is not positive.
+    """
+    found = []
+    for each in text.split(","):
+        number = _SCALED.fullmatch(each)
+        if number is None:
+            found.append(parse_unit(each))
+            continue
+        try:
+            scale = float(number[1]) / float(number[2] or 1.0)
+        except (ValueError, ZeroDivisionError):
+            scale = math.nan
+        if not 0 < scale < math.inf:
+            raise RecordingError(
+                f"The scale factor in {text!r:.60} is no positive number: write it before the "
+                "unit, as in --unit '1/131 deg/s' or --unit '61e-6 g'."
+            )
+        found.append(replace(parse_unit(number[3]), scale=scale))
+    return found
 
 
 def parse_compound(name: str) -> pint.Unit | None:
