@@ -10,6 +10,7 @@ from ..recording._checks import usable
 from ._course_shapes import draw_courses
 from ._effect import Effect
 from ._intervals import runs
+from ._jumps import jumps
 from ._line_parts import merged
 from ._posterior import Draws
 from ._spikes import USUAL
@@ -267,9 +268,14 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
 
 
 def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
+    # A jump is known by what is beside a knock.
+    steps = [
+        (state.moment(jump.after) * dt, rng.normal(jump.height, jump.deviation, 2000), 0.99, {})
+        for jump in jumps(state)
+    ]
     if state.sized is None:
-        return []
-    found, steps, felt = [], [], []
+        return _steps(steps)
+    found, felt, lags = [], [], []
     columns, logs = draw_courses(state, rng, 2000)
     findings = state.findings_of([course.name for course in state.courses])
     for course, sizes, log, finding in zip(state.courses, columns, logs, findings, strict=True):
@@ -284,6 +290,7 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
             found.append(_sinusoid(course, sizes, own, others, dt, rng))
         elif course.name == "temperature":
             felt.append(sizes)
+            lags.append(course.shape["lag"])
         else:
             # Rectified vibration, per unit of a vibration that is itself known roughly.
             assert state.modulation is not None
@@ -295,20 +302,30 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
         own, others = _probabilities(state.finding("temperature"), "temperature")
         linear, square = np.sum(felt, axis=0).T
         values = {"sensitivity": linear}
+        # Where what is felt at once and what is felt late cancel, changes are left.
+        late = np.tensordot(lags, np.array(felt)[:, :, 0], 1)
+        clear = abs(np.mean(late)) > _BENT * np.std(late)
+        changes = len(felt) > 1 and clear and abs(np.mean(linear)) < 2 * np.std(linear)
+        note = "how fast temperature changes" if changes else ""
         if abs(np.mean(square)) > _BENT * np.std(square):
             values["quadratic"] = square
-        found.append(Effect("temperature", own, others, values))
-    if steps:
-        heights = np.array([np.median(size) for _, size, _, _ in steps])
-        sign = np.sign(heights.sum()) or 1.0
-        mean = sign * np.mean([np.abs(size) for _, size, _, _ in steps], axis=0)
-        in_time = sorted((time, float(np.median(size))) for time, size, *_ in steps)
-        lists: dict[str, list] = {"times": [time for time, _ in in_time]}
-        if len(steps) > 1:
-            lists["heights"] = [height for _, height in in_time]
-        own = float(max(each[2] for each in steps))
-        found.append(Effect("step", own, steps[0][3], {"amplitude": mean}, lists))
-    return found
+        found.append(Effect("temperature", own, others, values, note=note))
+    return found + _steps(steps)
+
+
+def _steps(steps: list[tuple]) -> list[Effect]:
+    """All steps as one effect, each with its time, its heights, and its probabilities."""
+    if not steps:
+        return []
+    heights = np.array([np.median(size) for _, size, _, _ in steps])
+    sign = np.sign(heights.sum()) or 1.0
+    mean = sign * np.mean([np.abs(size) for _, size, _, _ in steps], axis=0)
+    in_time = sorted((time, float(np.median(size))) for time, size, *_ in steps)
+    lists: dict[str, list] = {"times": [time for time, _ in in_time]}
+    if len(steps) > 1:
+        lists["heights"] = [height for _, height in in_time]
+    own = float(max(each[2] for each in steps))
+    return [Effect("step", own, steps[0][3], {"amplitude": mean}, lists)]
 
 
 def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:

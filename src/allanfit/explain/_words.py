@@ -51,10 +51,14 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             "white, flicker nor random walk."
         ),
         "temperature": lambda: (
-            _followed(shown, told)
+            _followed(shown, told, effect.note)
             if "sensitivity" in shown
             else f"A slow swing with a period of {told('time_scale')}, as temperature makes; "
-            "no temperature was recorded to tell."
+            + (
+                "the one that was recorded does not tell all of it."
+                if effect.felt
+                else "no temperature was recorded to tell."
+            )
         ),
         "warm_up": lambda: (
             f"A warm-up of {told('amplitude')} that dies out with a time constant of "
@@ -132,8 +136,10 @@ def family_sentence(family: Family) -> str:
     return sentence
 
 
-def _followed(shown: Parameters, told: Callable[[str], str]) -> str:
+def _followed(shown: Parameters, told: Callable[[str], str], note: str) -> str:
     """How temperature moves the output."""
+    if note:
+        return f"The output follows {note}, as that of a fibre gyro does, and not temperature."
     if "quadratic" not in shown:
         return f"The output follows temperature by {told('sensitivity')}."
     low, high = shown["sensitivity"]["intervals"]["0.95"]
