@@ -18,6 +18,7 @@ from ._checks import (
     why_too_large,
     why_useless,
 )
+from ._copies import about_copies, copies
 from ._formats import read_blocks
 from ._frozen import FrozenBlocks, frozen
 from ._load import (
@@ -83,6 +84,7 @@ class Blocks:
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
         self._judged, self._stamp_unit = 0, ""
+        self._copies, self._rows_read = 0, 0
         self._missing = dict.fromkeys(self._asked, 0)
         self._frozen = dict.fromkeys(self._asked, 0)
         self._rows = self._checked(first)
@@ -102,7 +104,7 @@ class Blocks:
     @property
     def findings(self) -> tuple[str, ...]:
         """About the file and its time stamps, so far."""
-        found = list(self._findings)
+        found = [*self._findings, *about_copies(self._copies, self._rows_read)]
         if self._breaks:
             found.append(
                 f"The time stamps break {count(self._breaks, 'time')}: samples are missing there, "
@@ -185,7 +187,12 @@ class Blocks:
                 )
             columns[self._stamps] = table.columns[self._stamps]
         check_lengths(self._path, replace(table, columns=columns), list(columns))
-        return columns
+        if self._stamps is None:
+            return columns
+        again = copies(columns[self._stamps], (columns[name] for name in self._asked))
+        self._copies += int(again.sum())
+        self._rows_read += again.size
+        return {name: column[~again] for name, column in columns.items()}
 
     def _judge(self, table: Table, known: int) -> tuple[int, ...]:
         if self._stamp_unit and self._stamps is not None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_useless
+from ._copies import about_copies, copies
 from ._formats import read_table
 from ._frozen import frozen
 from ._mistakes import about_mistakes
@@ -81,6 +82,8 @@ def load(
         check_rate(rate_hz, f"rate_hz in {path.name}")
     stamps, aside, warm, asked = columns_of(path, table, channels)
     check_lengths(path, table, [*asked, *([stamps] if stamps else [])])
+    if stamps:
+        table = _without_copies(table, stamps, asked)
     # Of so few samples the time stamps tell no rate either.
     samples = max(table.columns[name].size for name in asked)
     if stamps and samples < FEWEST_SAMPLES:
@@ -124,6 +127,19 @@ def load(
         lost=clock.lost,
         losses=clock.losses,
     )
+
+
+def _without_copies(table: Table, stamps: str, asked: list[str]) -> Table:
+    """The table without rows that were written twice."""
+    again = copies(table.columns[stamps], (table.columns[name] for name in asked))
+    if not again.any():
+        return table
+    columns = {
+        name: column[~again] if column.size == again.size else column
+        for name, column in table.columns.items()
+    }
+    about = about_copies(int(again.sum()), again.size)
+    return replace(table, columns=columns, findings=(*table.findings, *about))
 
 
 def check_rate(rate_hz: float, origin: str) -> None:
