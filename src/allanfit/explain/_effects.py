@@ -6,10 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..physics import LowPass
-from ..recording._checks import usable
 from ._course_shapes import draw_courses
 from ._effect import Effect
-from ._intervals import runs
 from ._jumps import jumps
 from ._line_parts import merged
 from ._posterior import Draws
@@ -28,12 +26,10 @@ from ._structure import (
     sieve,
 )
 from ._switches import levels_of
+from ._value_effects import LINE, MAKERS, SURE, seconds
 
 # A slow oscillation of such a period is more likely a room's temperature than anything else.
 _ROOM_PERIOD_S = 240.0
-# What is certain from the values alone is still only as certain as this.
-_SURE = 0.99
-_LINE = 0.97
 # So many times of a line are told.
 _MOST_TIMES = 3
 _LIKELY_ROOM = 0.75
@@ -59,7 +55,7 @@ def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) 
     for finding in state.findings:
         if finding.name in state.model.kinds.names:
             continue
-        maker = _MAKERS.get(finding.name)
+        maker = MAKERS.get(finding.name)
         if maker is not None:
             found += maker(state, finding, dt, rng)
     found += _courses(state, dt, rng)
@@ -93,19 +89,19 @@ def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
     draws = {name: np.full(2, value) for name, value in values.items()}
     note = unknown.why + (f", every {unknown.period * dt:.4g} s" if unknown.period else "")
     note += _mostly(state, unknown.times, dt) + (f"; {unknown.like}" if unknown.like else "")
-    return Effect("bump", _LINE, {}, draws, {}, band, note, unknown.in_time)
+    return Effect("bump", LINE, {}, draws, {}, band, note, unknown.in_time)
 
 
 def _probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, float]]:
     """Of the effect and of its rivals, from their scores (twice the log of the odds)."""
     rivals = {} if finding is None else dict(finding.rivals)
     if name not in rivals:
-        return _SURE, {}
+        return SURE, {}
     top = max(rivals.values())
     weights = {rival: np.exp((score - top) / 2) for rival, score in rivals.items()}
     total = sum(weights.values())
     shares = {rival: float(weight / total) for rival, weight in weights.items()}
-    own = min(shares.pop(name), _SURE)
+    own = min(shares.pop(name), SURE)
     # What has no name takes its share, but is no rival that a measurement could tell apart.
     shares.pop("bump", None)
     return own, {rival: share for rival, share in shares.items() if share > 0.005}
@@ -190,17 +186,10 @@ def _mostly(state: Investigation, pairs: Sequence[tuple[int, int]], dt: float) -
     """The first few of some times."""
     if not pairs:
         return ""
-    told = _seconds(state, pairs[:_MOST_TIMES], dt)
+    told = seconds(state, pairs[:_MOST_TIMES], dt)
     times = [f"from {a:.5g} to {b:.5g} s" for a, b in told]
     more = len(pairs) - len(times)
     return ", mostly " + ", ".join(times) + (f" and {more} times more" if more else "")
-
-
-def _seconds(
-    state: Investigation, pairs: Sequence[tuple[int, int]], dt: float
-) -> list[list[float]]:
-    """Intervals of values in seconds since the recording began."""
-    return [[state.moment(a) * dt, state.moment(b) * dt] for a, b in pairs]
 
 
 def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
@@ -218,7 +207,7 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
         if shaping == FLAT:
             values["flat"] = np.ones(2)
             note = _BAND.format(np.exp(np.median(height)), *band)
-    return Effect("bump", _SURE, {}, values, {}, band, note)
+    return Effect("bump", SURE, {}, values, {}, band, note)
 
 
 def _finite(kind: LowPass) -> str:
@@ -339,7 +328,7 @@ def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:
     if middle * _ROOM_PERIOD_S < 1 and not any(key == "temperature" for key in others):
         return _slow_swing("sinusoid", own, others, frequency)
     values = {"amplitude": amplitude, "frequency": frequency}
-    return Effect("sinusoid", min(own, _LINE), others, values, {}, band, note)
+    return Effect("sinusoid", min(own, LINE), others, values, {}, band, note)
 
 
 def _slow_swing(name: str, own: float, others: dict[str, float], frequency) -> Effect:
@@ -349,71 +338,3 @@ def _slow_swing(name: str, own: float, others: dict[str, float], frequency) -> E
     rest = {**others, name: own * (1 - _LIKELY_ROOM)}
     band = (0.97 * middle, 1.03 * middle)
     return Effect("temperature", own * _LIKELY_ROOM, rest, values, {}, band)
-
-
-def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    count = finding.detail * state.values.size
-    spread = np.sqrt(count) / state.values.size
-    return [
-        Effect(
-            "dropped_samples",
-            _SURE,
-            {},
-            {"fraction": np.abs(finding.detail + spread * rng.standard_normal(2000))},
-        )
-    ]
-
-
-def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    chance = min(_SURE, state.rate_rounded)
-    return [Effect("output_rounding", chance, {}, {"lsb": np.full(2, state.format.width)})]
-
-
-def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    repeat = finding.detail
-    values = repeat.samples + repeat.deviation * rng.standard_normal(2000)
-    if state.stride == 1:
-        return [Effect("sample_hold", _SURE, {}, {"repeat": values})]
-    told = {"repeat": values, "regular": np.ones(2)}
-    return [Effect("sample_hold", _SURE, {}, told, note=f"{1 / dt:.5g} Hz")]
-
-
-def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    rails = state.format.rails
-    told = {"limit": float(np.max(np.abs(rails)))}
-    # Not as far below zero as above it: each by itself.
-    if len(rails) == 1 or abs(sum(rails)) > state.format.width + 1e-6 * told["limit"]:
-        middle = float(np.median(usable(state.values, state.pieces)))
-        told |= {"low" if rail < middle else "high": rail for rail in rails}
-    return [Effect("saturation", _SURE, {}, {name: np.full(2, at) for name, at in told.items()})]
-
-
-def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    drawn = finding.detail.draws
-    return [Effect("outliers", _LINE, {}, {"fraction": drawn[:, 0], "amplitude": drawn[:, 1]})]
-
-
-def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    changing = finding.detail
-    times = _seconds(state, runs(state.flags(changing.loud)), dt)
-    others = {"disturbance": 0.03}
-    return [
-        Effect("variance_modulation", 0.95, others, {"ratio": changing.draws}, {"intervals": times})
-    ]
-
-
-def _knocked(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    times = _seconds(state, state.knocks, dt)
-    others = {"variance_modulation": 0.08}
-    return [Effect("disturbance", 0.9, others, {}, {"intervals": times})]
-
-
-_MAKERS = {
-    "output_rounding": _rounded,
-    "sample_hold": _held,
-    "saturation": _clipped,
-    "outliers": _spiky,
-    "variance_modulation": _modulated,
-    "disturbance": _knocked,
-    "dropped_samples": _dropped,
-}
