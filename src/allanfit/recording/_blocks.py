@@ -169,10 +169,7 @@ class Blocks:
             breaks = self._judge(replace(table, columns=columns), known)
             held = {name: column[known:] for name, column in columns.items()}
             yield (
-                {
-                    name: columns[name][:known].astype(float) * self._units[name].scale
-                    for name in self._asked
-                },
+                {name: self._units[name].read(columns[name][:known]) for name in self._asked},
                 breaks,
             )
 

@@ -95,7 +95,7 @@ def load(
     units = units_of(asked, aside, table, unit)
     kept, left_out = [], []
     for name in asked:
-        values = table.columns[name].astype(np.float64) * units[name].scale
+        values = units[name].read(table.columns[name])
         still = frozen(values)
         stretches = split(np.isfinite(values) & ~still, clock.breaks)
         used = usable(values, stretches)

@@ -9,7 +9,9 @@ import re
 from dataclasses import dataclass, replace
 from tokenize import TokenError
 
+import numpy as np
 import pint
+from jaxtyping import Float64, Num
 
 from ._recording import RecordingError
 
@@ -101,6 +103,12 @@ class Unit:
     """`gyro`, `accelerometer` or `other`."""
     scale: float = 1.0
     """How many of it one in the file is: other than 1 for raw codes."""
+
+    def read(self, column: Num[np.ndarray, " samples"]) -> Float64[np.ndarray, " samples"]:
+        """Values of a file in this unit."""
+        # Bytes that are no number give a NaN that warns.
+        with np.errstate(invalid="ignore", over="ignore"):
+            return column.astype(np.float64) * self.scale
 
 
 # In words, or after a degree sign or `deg`; letters alone are capitals, since k and f are prefixes.
