@@ -130,7 +130,7 @@ def together(state: Investigation) -> None:
     for i, course in zip(mine, warm(best), strict=True):
         old = state.courses[i]
         state.courses[i] = course._replace(places=old.places, length=old.length).kept()
-        state.moved[i] = moved_by(state, course)
+        state.moved[i] = moved_by(state, state.courses[i])
     resize(state)
 
 

@@ -259,7 +259,7 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
 def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     # A jump is known by what is beside a knock.
     steps = [
-        (state.moment(jump.after) * dt, rng.normal(jump.height, jump.deviation, 2000), 0.99, {})
+        (state.moment(jump.after) * dt, rng.normal(jump.height, jump.deviation, 2000), SURE, {})
         for jump in jumps(state)
     ]
     if state.sized is None:

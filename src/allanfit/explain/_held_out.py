@@ -67,16 +67,20 @@ def held_out(
     `plain` what is known of the samples with and without what was found out.
     """
     columns = _side_by_side(spectrum.amplitude, moved)
-    halves = [spectrum.fold == fold for fold in (0, 1)]
     if moved:
         _turn(columns, variance, seed)
         spectrum = spectrum._replace(amplitude=columns[:, 0].copy())
-        weight = _weight(spectrum, variance)
-        energy = [np.diag(_products(columns, weight * half))[1:] for half in halves]
+    weight = _weight(spectrum, variance)
+    halves = [_products(columns, weight * (spectrum.fold == fold)) for fold in (0, 1)]
+    if moved:
+        energy = [np.diag(half)[1:] for half in halves]
         share = energy[0] / (energy[0] + energy[1])
         if np.any(np.abs(share - 0.5) > 0.5 - _LEAST_SHARE):
             return _fission(spectrum, columns, edges, model, data, plain, variance, seed)
-    parts = [_fold(spectrum, columns, edges, model, data, plain, variance, fold) for fold in (0, 1)]
+    parts = [
+        _fold(spectrum, columns, _sizes(halves[1 - fold]), edges, model, data, plain, fold)
+        for fold in (0, 1)
+    ]
     before, after = (sum(part[i] for part in parts) for i in range(2))
     return HeldOut(float(before), float(after), float(np.sqrt(sum(part[2] for part in parts))))
 
@@ -132,18 +136,12 @@ def _parts(ordinates: int) -> Iterable[slice]:
     return (slice(at, at + _AT_A_TIME) for at in range(0, ordinates, _AT_A_TIME))
 
 
-def _sizes(
-    columns: Float[np.ndarray, "ordinates columns"], weight: Float[np.ndarray, " ordinates"]
-) -> Float[np.ndarray, " sizes"]:
+def _sizes(products: Float[np.ndarray, "columns columns"]) -> Float[np.ndarray, " sizes"]:
     """Of the courses, by least squares."""
-    products = _products(columns, weight)
     return np.linalg.lstsq(products[1:, 1:], products[1:, 0], rcond=None)[0]
 
 
-def _fold(
-    spectrum: Ordinates, columns, edges, model: Model, data: Data, plain: Data, variance, fold
-):
-    sizes = _sizes(columns, _weight(spectrum, variance) * (spectrum.fold != fold))
+def _fold(spectrum: Ordinates, columns, sizes, edges, model: Model, data: Data, plain: Data, fold):
     course = columns[:, 1:] @ sizes
     rest = spectrum.less(course)
     old, new = _fitted(
@@ -191,7 +189,7 @@ def _fission(spectrum, columns, edges, model: Model, data: Data, plain: Data, va
     for sign in (1.0, -1.0):
         train = spectrum.less(-sign * noise)
         columns[:, 0] = train.amplitude
-        course = columns[:, 1:] @ _sizes(columns, weight)
+        course = columns[:, 1:] @ _sizes(_products(columns, weight))
         old, new = _fitted(
             binned(train, edges), binned(train.less(course), edges), model, data, plain
         )

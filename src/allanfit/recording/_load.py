@@ -274,8 +274,8 @@ def why_state(name: str, samples: np.ndarray, unit: Unit, wanted: bool) -> str:
 def about_units(units: dict[str, Unit], table: Table, override: str | None) -> list[str]:
     """Findings on units that are missing, in names, or do not go with the name of their channel."""
     findings, ends = [], {}
+    given = [each.name for each in parse_given(override)] if override else []
     for name, unit in units.items():
-        given = [each.name for each in parse_given(override)] if override else []
         if not table.units.get(name) and unit.name not in ("", *given):
             ends[unit.name] = [*ends.get(unit.name, []), name]
     if ends:
