@@ -9,14 +9,13 @@ from scipy.stats import chi2
 _FEWEST_SWINGS = 100
 #: Samples of a tile.
 TILE = 256
-_BANDS = 12
+_BANDS, _FEWEST_BANDS = 12, 4
 # A spectrum is watched in so many parts of the record.
 _MOST_PARTS = 24
 # A changing spectrum must be as unlikely under a change of white noise.
 _RESHAPED = 1e-6
 # And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
 _PLAIN = 0.1
-_FULL = 0.5
 # Less of a tile's power is none; more of a tile is all of it.
 _CUT, _NEARLY_ALL = 0.02, 0.99
 # Of the periods over all tiles the slowest are looked at: one in so many.
@@ -52,28 +51,32 @@ def parts(powers: Powers) -> list[Powers]:
 
 def reshaped(
     groups: list[Powers],
-    frequency: Float[np.ndarray, " ordinates"],
-    variance_there: Float[np.ndarray, " ordinates"],
+    density: Float[np.ndarray, " frequencies"],
+    usable: Bool[np.ndarray, " frequencies"] | None = None,
 ) -> tuple[float, float] | None:
     """Where spectra of parts of a record differ most in shape, and the log of its chance.
 
-    `groups` are powers of tiles of the white record, and the others what it was made white with.
+    `groups` are powers of tiles of the white record, and `density` is what their frequencies were
+    made white with. Those that are not `usable`, since lines were cut out of them, are left out.
     """
     if len(groups) < 2 or min(len(group) for group in groups) < _BANDS:
         return None
+    usable = np.ones(density.size, bool) if usable is None else usable
     edges = np.unique(np.geomspace(1, TILE // 2, _BANDS + 1).round().astype(int))
-    count, low = np.diff(edges), edges[:-1]
-    banded = [np.add.reduceat(group, edges, axis=1)[:, :-1] / count for group in groups]
-    mean = np.stack([each.mean(axis=0) for each in banded])
-    variance = np.stack([each.var(axis=0, ddof=1) / len(each) for each in banded])
-    # Bands that lines were cut out of are no measure.
-    kept = np.min(mean, axis=0) > _FULL
-    if kept.sum() < 4:
+    count = np.add.reduceat(usable, edges, dtype=int)[:-1]
+    kept = count > 0
+    if kept.sum() < _FEWEST_BANDS:
         return None
-    mean, variance, count, low = mean[:, kept], variance[:, kept], count[kept], low[kept]
-    middle = np.sqrt(low * (low + count - 1)) / TILE
+    count = count[kept]
+
+    def banded(spectra: np.ndarray) -> np.ndarray:
+        return np.add.reduceat(spectra * usable, edges, axis=-1)[..., :-1][..., kept] / count
+
+    in_bands = [banded(group) for group in groups]
+    mean = np.stack([each.mean(axis=0) for each in in_bands])
+    variance = np.stack([each.var(axis=0, ddof=1) / len(each) for each in in_bands])
     # Whitened by their mean, white noise that is added weighs as one over the density there.
-    weight = 1 / np.interp(middle, frequency, variance_there)
+    weight = banded(1 / density)
     tiles_in = np.array([[len(group)] for group in groups])
     variance = np.maximum(variance, mean**2 / count / tiles_in)
     if len(groups) == 2:
@@ -90,21 +93,24 @@ def reshaped(
     log_p = float(chi2.logsf(misfit, freedom))
     if log_p > np.log(_RESHAPED) or size < _PLAIN:
         return None
+    middle = np.sqrt(edges[:-1] * (edges[1:] - 1))[kept] / TILE
     return float(middle[int(np.argmax(np.sum(rest**2 / variance, axis=0)))]), log_p
 
 
 def reshaped_at_times(
-    powers: Powers, share: Float[np.ndarray, " tiles"], density: Float[np.ndarray, " frequencies"]
+    powers: Powers,
+    share: Float[np.ndarray, " tiles"],
+    density: Float[np.ndarray, " frequencies"],
+    usable: Bool[np.ndarray, " frequencies"] | None = None,
 ) -> tuple[float, float] | None:
     """The same of the tiles of which a `share` of one is loud, against those of none.
 
-    `density` is what a tile's frequencies were made white with. Loud tiles may be many times as
-    strong: they are measured by the quiet ones, and not by the mean of all.
+    Loud tiles may be many times as strong: they are measured by the quiet ones, and not by the mean
+    of all.
     """
     loud, quiet = loud_and_quiet(powers, share)
     usual = quiet_spectrum(quiet)
-    at = np.arange(powers.shape[1]) / TILE
-    return reshaped([loud / usual, quiet / usual], at, density * usual)
+    return reshaped([loud / usual, quiet / usual], density * usual, usable)
 
 
 def loud_and_quiet(powers: Powers, share: Float[np.ndarray, " tiles"]) -> tuple[Powers, Powers]:

@@ -6,7 +6,7 @@ name is right only if what else it says is so too.
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from . import _search
 from ._chance import INSIDE, log_chance, score
@@ -90,12 +90,13 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
         _vibration(state)
         return
     powers = tiles(white)
-    made_white = state.left.frequency, state.variance
-    found = reshaped(parts(powers), *made_white)
+    at = np.arange(powers.shape[1]) / TILE
+    density = np.interp(at, state.left.frequency, state.variance)
+    usable = ~_within(at, _bands(state), 1 / TILE)
+    found = reshaped(parts(powers), density, usable)
     if state.modulation is not None:
         loud = shares(state.flags(state.modulation.loud)[slice(*state.longest)])
-        density = np.interp(np.arange(powers.shape[1]) / TILE, *made_white)
-        found = reshaped_at_times(powers, loud, density) or found
+        found = reshaped_at_times(powers, loud, density, usable) or found
     found = found or _corner_moves(state, powers)
     if found is None:
         return
@@ -267,11 +268,28 @@ def _broad(
 ) -> Float[np.ndarray, " samples"]:
     """The white record without the bands of lines and resonances."""
     spectrum = np.fft.rfft(white)
-    frequency = np.fft.rfftfreq(white.size)
-    for one in narrow_noises(state.model, float(state.data.samples)):
-        # What is broad for its frequency has no band of its own, unless it moves through one.
-        if one.width < one.middle / 8 or one.place in state.disowned_noises:
-            spectrum[np.abs(frequency - one.middle) < 4 * one.width] = 0.0
-    for peak in state.peaks:
-        spectrum[np.abs(frequency - peak.frequency) < 4 * peak.half_width] = 0.0
+    spectrum[_within(np.fft.rfftfreq(white.size), _bands(state))] = 0.0
     return np.fft.irfft(spectrum, white.size)
+
+
+def _bands(state: Investigation) -> list[tuple[float, float]]:
+    """Middles and half-widths of lines and resonances [cycles per sample]."""
+    # What is broad for its frequency has no band of its own, unless it moves through one.
+    narrow = [
+        (one.middle, 4 * one.width)
+        for one in narrow_noises(state.model, float(state.data.samples))
+        if one.width < one.middle / 8 or one.place in state.disowned_noises
+    ]
+    return narrow + [(peak.frequency, 4 * peak.half_width) for peak in state.peaks]
+
+
+def _within(
+    frequency: Float[np.ndarray, " frequencies"],
+    bands: list[tuple[float, float]],
+    beside: float = 0.0,
+) -> Bool[np.ndarray, " frequencies"]:
+    """Which are in one of the bands, or as near to one as `beside`."""
+    inside = np.zeros(frequency.size, bool)
+    for middle, half_width in bands:
+        inside |= np.abs(frequency - middle) < half_width + beside
+    return inside
