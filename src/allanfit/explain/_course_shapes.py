@@ -11,8 +11,8 @@ from . import _means
 from ._course_scan import sharpened
 from ._lasting import loudness
 from ._means import Course
+from ._modulation import Modulation
 from ._refit import evidence, moved_by, resize, summed, with_course
-from ._spread import Modulation
 from ._state import Investigation
 from ._sums import Summing
 

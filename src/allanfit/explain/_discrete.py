@@ -11,8 +11,9 @@ from scipy.optimize import minimize
 from scipy.special import expit
 from scipy.stats import binom, norm
 
+from ._contamination import Contamination, curvature_draws, normal
 from ._intervals import runs
-from ._spread import Contamination, Modulation, curvature_draws, modulation, normal
+from ._modulation import Modulation, modulation
 from ._state import Investigation
 
 # Codes so many times as wide as the noise hide whether it lasts, and so many times, what is brief.
@@ -58,7 +59,8 @@ def change(
     """
     told = telling(state)
     heard = white[told] / white[told].std()
-    found = modulation(heard, seed)
+    # Rounded noise is followed between two levels, and no further.
+    found = modulation(heard, seed)._replace(strength=None, extremes=None)
     codes = codes_over_noise(state)
     lasts = codes > LASTING or found.ratio**2 - 1 < _MORE * (_own_change(codes) - 1)
     loud = as_held(found.loud, told, white.size)

@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.stats import norm
 
-from ._spread import PULLED_IN, contamination, log_body, log_mixture, modulation
+from ._contamination import contamination, log_body, log_mixture
+from ._modulation import PULLED_IN, modulation
 
 # Within this part of a code's width a value lies on a code.
 _ON_CODE = 0.02
@@ -78,8 +79,12 @@ def of_loud_times(white: Float[np.ndarray, " samples"], seed: int) -> Gain:
     pulled = np.clip(white, -PULLED_IN, PULLED_IN)
 
     def differences(known: slice, scored: slice):
-        loud = modulation(pulled[known], seed).loud
-        return _two_levels(pulled[known], loud, pulled[scored], loud)
+        found = modulation(pulled[known], seed)
+        if found.strength is None:
+            return _two_levels(pulled[known], found.loud, pulled[scored], found.loud)
+        width = float(np.std(pulled[known] / found.strength))
+        usual = norm.logpdf(pulled[scored], scale=pulled[known].std())
+        return norm.logpdf(pulled[scored], scale=width * found.strength) - usual
 
     return _crossed(white.size, differences)
 

@@ -7,8 +7,8 @@ from . import _means
 from ._bursts import Burst
 from ._held_out_values import of_times
 from ._intervals import runs, widened
+from ._modulation import Modulation
 from ._refit import add_course, evidence, go_back, remembered, with_course
-from ._spread import Modulation
 from ._state import Finding, Investigation, whitened_pieces
 
 # A knock is cut out with so many windows on either side.

@@ -9,16 +9,14 @@ from ._held_out_values import Gain, of_loud_times
 from ._intervals import runs
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
+from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation
 from ._ordinates import bin_edges, binned, ordinates
 from ._refit import rebin, refit
 from ._spikes import height_of, name_clear_spikes, name_spikes, take_out_spikes, tall_spikes
-from ._spread import PULLED_IN, Modulation, modulation
 from ._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ._vibration import away_from_edges, take_out, vibration
 from ._whiten import level, without_ends
 
-# Loud for less of the record, and by more, is a knock and no change of the noise.
-_KNOCK_SHARE, _KNOCK_RATIO = 0.15, 2.0
 # Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
 _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 # Short spectra of held or rounded values stand out by up to so many times as much by chance, by
@@ -26,6 +24,8 @@ _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 _LONGER_TAIL = 3.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
+# A part of the variance that is left however quiet it is.
+_WEAKEST = 1e-3
 
 
 def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bool:
@@ -55,9 +55,9 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
     if loud and may_cut:
         share = changing.loud.mean()
-        if share < _KNOCK_SHARE and steps_instead(state, changing):
+        if share < KNOCK_SHARE and steps_instead(state, changing):
             return about_spread(state, seed, may_cut=may_cut)
-        if share < _KNOCK_SHARE and changing.ratio > _KNOCK_RATIO:
+        if share < KNOCK_SHARE and changing.ratio > KNOCK_RATIO:
             knock(state, changing, white)
             return True
     vibrating = vibration(state, white, mean, changing) if loud and state.format.normal else None
@@ -128,6 +128,9 @@ def _evened(
 ) -> Float[np.ndarray, " samples"]:
     """As strong at loud times as at quiet ones, but for spikes."""
     loud = changing.loud
+    if changing.strength is not None:
+        even = white / changing.strength
+        return even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
     even = np.where(loud, white / white[loud].std(), white / white[~loud].std())
     # Where they begin and end is known to a window: what is strong there is no spike.
     for edge in np.flatnonzero(np.diff(loud)) + 1:
@@ -171,8 +174,8 @@ def _count_out(state: Investigation, changing: Modulation) -> None:
     # As loud as it gets, in all of the spectrum or in the white part of it.
     share = float(changing.loud.mean())
     quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
-    ratio = max(changing.ratio**2, 1 + added / share / quiet)
-    strength = np.where(changing.loud, ratio, 1.0)
+    part = max(1.0, added / share / quiet / (changing.ratio**2 - 1))
+    strength = np.maximum(1 + part * (changing.deviation() ** 2 - 1), _WEAKEST)
     dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
     state.spectrum = state.spectrum._replace(dilution=dilution)
     state.foreign += added
@@ -198,9 +201,10 @@ def _modulation_of_n(
     # The less likely one says when it is loud, unless it cannot.
     if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -slow.p_value):
         return found._replace(p_value=p_value), white
-    loud = np.repeat(slow.loud, size)
-    loud = np.append(loud, np.full(white.size - loud.size, loud[-1]))
-    return slow._replace(loud=loud, window=slow.window * size, p_value=p_value), sums
+    of = np.minimum(np.arange(white.size) // size, slow.loud.size - 1)
+    loud, strength = slow.loud[of], None if slow.strength is None else slow.strength[of]
+    window = slow.window * size
+    return slow._replace(loud=loud, window=window, p_value=p_value, strength=strength), sums
 
 
 def _samples_of_n(state: Investigation) -> int:
@@ -256,12 +260,12 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
 def loudness(state: Investigation, changing: Modulation) -> Float[np.ndarray, "samples columns"]:
     """Local variance of the fast noise [u^2], centred: what may rectify."""
     if state.vibration is not None:
-        added = state.vibration.variance
+        added = np.where(changing.loud, state.vibration.variance, 0.0)
     else:
-        share = float(changing.loud.mean())
-        added = (changing.ratio**2 - 1) / (1 + share * (changing.ratio**2 - 1))
+        power = changing.deviation() ** 2
+        added = (power - 1) / power.mean()
         # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
         added /= float(np.mean(2 / state.variance))
     column = np.zeros(state.values.size)
-    column[state.looked_at] = np.where(changing.loud, added, 0.0)
+    column[state.looked_at] = added
     return (column - column[state.looked_at].mean())[:, None]

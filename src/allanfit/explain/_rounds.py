@@ -176,6 +176,10 @@ def line_options(state: Investigation) -> list[Option]:
     piece = state.longest
     held = len(state.lines)
     white = whitened_piece(state, piece, ())
+    if state.modulation is not None and state.modulation.strength is not None:
+        # Ordinates that are near are alike where strength varies, and chance makes bands of them.
+        white = white / state.deviation[slice(*piece)]
+        white /= np.std(white)
     even = evenly(white, _time(state, piece))
     peaks = [
         peak

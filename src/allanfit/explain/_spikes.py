@@ -6,11 +6,11 @@ from scipy.fft import irfft
 
 from ..recording._spikes import alone
 from . import _discrete
+from ._contamination import Contamination, contamination
 from ._held_out_values import of_events, of_spikes
 from ._ordinates import amplitudes
 from ._refit import rebin, refit
 from ._skewness import leans
-from ._spread import Contamination, contamination
 from ._state import Finding, Investigation
 from ._whiten import END
 

@@ -15,6 +15,8 @@ from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit
 from scipy.stats import chi2, f
 
+from ._strength import varying
+
 # Whitened samples beyond this are pulled in before variances are compared in time.
 PULLED_IN = 4.0
 # Uniform parts whose fourth powers add up to less than that of this change no tail.
@@ -35,6 +37,8 @@ _LONG_WINDOW, _UNCORRELATED = 16 * _SHORTEST_WINDOW, 0.01
 _LAGS = 1024
 # Windows of at most this many are told apart by the hidden Markov model.
 _MOST_WINDOWS = 4096
+# From such a chance on the strength is followed, and levels are measured so many times over.
+_UNEVEN, _AGAIN = 1e-3, 3
 # How much louder the loud times may be than the quiet ones, to begin with.
 _EXCESSES = (0.03, 0.1, 0.3, 1.0, 10.0)
 
@@ -72,6 +76,14 @@ class Modulation(NamedTuple):
     #: Samples a window, and the chance of windows as uneven as these.
     window: int
     p_value: float
+    #: Where there is more to it than two levels: the standard deviation of each sample over that of
+    #: the quiet times, and draws of the largest over the smallest.
+    strength: Float[np.ndarray, " samples"] | None = None
+    extremes: Float[np.ndarray, " draws"] | None = None
+
+    def deviation(self) -> Float[np.ndarray, " samples"]:
+        """Of each sample, over that of the quiet times."""
+        return np.where(self.loud, self.ratio, 1.0) if self.strength is None else self.strength
 
 
 def contamination(
@@ -292,15 +304,73 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     # So many independent normal samples have as certain a mean square.
     weight = float(2 * np.mean(power) ** 2 * window / variance)
     path, quiet, loud = _two_levels(power, weight)
-    samples = np.zeros(white.size, bool)
-    samples[: path.size * window] = np.repeat(path, window)
-    samples[path.size * window :] = path[-1] if path.size else False
+    samples = _of_samples(path, window, white.size)
+    if path.any() and not path.all():
+        quiet, loud = _unclipped(white, samples, window, (quiet, loud))
     rng = np.random.default_rng(seed)
     freedom = np.maximum([np.sum(~path) * weight, np.sum(path) * weight], 2)
     spread = np.sqrt(2 / freedom)
     log_ratio = np.log(loud / quiet) / 2
     draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
-    return Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value)
+    found = Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value)
+    return _with_strength(found, white, path, weight, seed) if p_value < _UNEVEN else found
+
+
+def _of_samples(of_windows: np.ndarray, window: int, samples: int) -> Float[np.ndarray, " samples"]:
+    """What is true of windows, of each sample; of those beyond the last window what is of it."""
+    return of_windows[np.minimum(np.arange(samples) // window, of_windows.size - 1)]
+
+
+def _unclipped(
+    white: Float[np.ndarray, " samples"],
+    loud: Bool[np.ndarray, " samples"],
+    window: int,
+    levels: tuple[float, float],
+) -> tuple[float, float]:
+    """Two variances again, of samples pulled in where their own level says that they are far.
+
+    Loud noise has many beyond what is far for all. Beside a change a window has samples of both.
+    """
+    inside = np.ones(white.size, bool)
+    for edge in np.flatnonzero(np.diff(loud)) + 1:
+        inside[max(edge - window, 0) : edge + window] = False
+    parts = [
+        white[each & inside] if (each & inside).any() else white[each] for each in (~loud, loud)
+    ]
+    for _ in range(_AGAIN):
+        ends = (PULLED_IN * np.sqrt(level) for level in levels)
+        quiet, strong = (
+            np.mean(np.clip(x, -far, far) ** 2) for x, far in zip(parts, ends, strict=True)
+        )
+        levels = float(quiet), float(strong)
+    return levels
+
+
+def _with_strength(
+    found: Modulation,
+    white: Float[np.ndarray, " samples"],
+    path: Bool[np.ndarray, " windows"],
+    weight: float,
+    seed: int,
+) -> Modulation:
+    """The course of the strength beside two levels, where it is more than these."""
+    middles = (np.arange(path.size) + 0.5) * found.window
+    quiet = ~found.loud if not found.loud.all() else found.loud
+    strength = np.ones(white.size)
+    course, draws = None, None
+    for _ in range(_AGAIN):
+        power = local_power(white / strength, found.window)
+        level = 2 * np.log(strength[middles.astype(int)])
+        told = varying(power * np.exp(level), weight, path, seed)
+        if told is None:
+            return found
+        course, draws = told
+        strength = np.exp(np.interp(np.arange(white.size), middles, course) / 2)
+    assert draws is not None
+    strength /= np.sqrt(np.mean(strength[quiet] ** 2))
+    return found._replace(
+        strength=strength, extremes=np.exp((draws.max(axis=1) - draws.min(axis=1)) / 2)
+    )
 
 
 def _two_levels(

@@ -11,10 +11,12 @@ from jaxtyping import Bool, Float, Int
 from ..physics import Sampling
 from . import _means, _search
 from ._codes import UNROUNDED, Rounding
+from ._contamination import Contamination
 from ._format import Format, sample_format
 from ._held_out_values import Gain
 from ._lines import Peak
 from ._means import Course, Sized
+from ._modulation import Modulation
 from ._ordinates import (
     Ordinates,
     above_leakage,
@@ -23,7 +25,6 @@ from ._ordinates import (
     ordinates,
 )
 from ._search import Candidate, Model
-from ._spread import Contamination, Modulation
 from ._structure import (
     Data,
     Kinds,
@@ -174,6 +175,14 @@ class Investigation:
         """The stretches that say by themselves how strong their noise is, and the longest."""
         longest = self.longest
         return [p for p in self.pieces if p == longest or p[1] - p[0] >= _LONG]
+
+    @property
+    def deviation(self) -> Float[np.ndarray, " values"]:
+        """Of the noise of each value, over that of the quiet times."""
+        whole = np.ones(self.values.size)
+        if self.modulation is not None:
+            whole[self.looked_at] = self.modulation.deviation()
+        return whole
 
     def flags(self, looked_at: Bool[np.ndarray, " looked_at"]) -> Bool[np.ndarray, " samples"]:
         """What is true of samples that were looked at, of all samples."""

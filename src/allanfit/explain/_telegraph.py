@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import idct
 
-from ._spread import normal
+from ._contamination import normal
 
 _SURROGATES = 199
 # Modes beyond this many corner frequencies of the process are noise.

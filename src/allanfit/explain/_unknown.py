@@ -28,11 +28,11 @@ from ._intervals import runs
 from ._lasting import forget_loud_times
 from ._leakage import take_bump
 from ._line_or_resonance import tell_apart
+from ._modulation import PULLED_IN, uneven
 from ._narrow import narrow_groups, narrow_noises
 from ._ordinates import points
 from ._search import Model
 from ._spikes import USUAL
-from ._spread import PULLED_IN, uneven
 from ._state import Finding, Investigation, Unknown, whitened_piece
 from ._structure import EACH, TERMS, UNNAMED
 from ._waveform import waveform
@@ -224,8 +224,7 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     if not white.any():
         return
     if state.modulation is not None:
-        loud = state.flags(state.modulation.loud)[slice(*state.longest)]
-        white = white / np.where(loud, state.modulation.ratio, 1.0)
+        white = white / state.deviation[slice(*state.longest)]
     white = np.clip(white / white.std(), -PULLED_IN, PULLED_IN)
     # What loud times tell of already comes again at the harmonics of how often there are any.
     longest = np.inf if state.modulation is None else 2.0 * state.modulation.window

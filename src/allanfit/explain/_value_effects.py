@@ -11,6 +11,8 @@ from ._state import Finding, Investigation
 
 #: What is certain from the values alone is still only as certain as this, and a line.
 SURE, LINE = 0.99, 0.97
+# A strength that varies is told at so many times.
+_KNOTS = 257
 
 
 def seconds(state: Investigation, pairs: Sequence[tuple[int, int]], dt: float) -> list[list[float]]:
@@ -63,10 +65,13 @@ def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effec
 def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     changing = finding.detail
     times = seconds(state, runs(state.flags(changing.loud)), dt)
-    others = {"disturbance": 0.03}
-    return [
-        Effect("variance_modulation", 0.95, others, {"ratio": changing.draws}, {"intervals": times})
-    ]
+    ratio, lists = changing.draws, {"intervals": times}
+    if changing.strength is not None:
+        at = np.unique(np.linspace(0, changing.strength.size - 1, _KNOTS).round().astype(int))
+        moments = [state.moment(int(value)) * dt for value in state.looked_at[at]]
+        ratio = changing.extremes
+        lists |= {"times": moments, "strengths": [float(each) for each in changing.strength[at]]}
+    return [Effect("variance_modulation", 0.95, {"disturbance": 0.03}, {"ratio": ratio}, lists)]
 
 
 def _knocked(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

@@ -14,9 +14,9 @@ from scipy.signal import oaconvolve
 
 from ._changing import TILE, loud_and_quiet, quiet_spectrum, reshaped_at_times, shares, tiles
 from ._intervals import runs, widened
+from ._modulation import Modulation
 from ._ordinates import amplitudes
 from ._refit import rebin
-from ._spread import Modulation
 from ._state import Investigation
 
 # The lowest frequencies of a tile, which pass; of vibration hardly a part may be there, beside a

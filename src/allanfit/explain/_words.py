@@ -19,7 +19,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         unit = f" {entry['unit']}" if entry["unit"] not in ("", "1") else ""
         return f"{entry['value']:.3g}{unit}"
 
-    count = len(effect.lists.get("times", effect.lists.get("intervals", [])))
+    count = len(effect.lists.get("intervals", effect.lists.get("times", [])))
     sentences = {
         "gauss_markov": lambda: (
             f"Exponentially correlated noise of {told('sigma')} with a correlation time of "
@@ -96,7 +96,10 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + ", which hides part of the noise."
         ),
         "variance_modulation": lambda: (
-            f"The noise is {told('ratio')} times as strong in {count} "
+            f"The strength of the noise changes all the time, by a factor of {told('ratio')} "
+            "between its extremes; N is that of the quiet times, on average."
+            if "strengths" in effect.lists
+            else f"The noise is {told('ratio')} times as strong in {count} "
             f"interval{'s' if count != 1 else ''} as in the rest; N is that of the quiet times."
         ),
         "vibration_rectification": lambda: (

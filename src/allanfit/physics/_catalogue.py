@@ -57,7 +57,7 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
     )
 }
 # Parameters that are arrays, by their number of axes.
-_AXES = {"times": 1, "heights": 1, "intervals": 2}
+_AXES = {"times": 1, "heights": 1, "strengths": 1, "intervals": 2}
 # What is so or not, as 1 or 0.
 _FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass", "flat"}
 _SIGNED = {"amplitude", "height", "sensitivity", "quadratic", "coefficient", "low", "high"}

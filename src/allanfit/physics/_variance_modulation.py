@@ -14,16 +14,24 @@ from ._term import Sampling
 class VarianceModulation(AbstractEffect):
     """Within `intervals` [s] the fast noise is `ratio` times as strong as outside.
 
+    With `strengths` it is so many times as strong as the model at `times` [s], and in a straight
+    line between these; `ratio` and `intervals` then say no more than how far that goes, and when it
+    is loud.
+
     In a recording that is drawn, the white and the quantization noise; of samples, what differs
     from the running mean over a second.
     """
 
     ratio: Float[Array, ""]
     intervals: Float[Array, "intervals 2"]
+    times: Float[Array, " times"] | None = None
+    strengths: Float[Array, " times"] | None = None
     name: ClassVar[str] = "variance_modulation"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("ratio", ""),
         Parameter("intervals", "s"),
+        Parameter("times", "s"),
+        Parameter("strengths", ""),
     )
     what: ClassVar[str] = "noise whose strength changes with time"
     origin: ClassVar[str] = "people, machines or a supply that come and go"
@@ -37,4 +45,7 @@ class VarianceModulation(AbstractEffect):
 
     def strength(self, samples: int, dt: float) -> Float[Array, " samples"]:
         """How many times as strong the noise is at each sample."""
-        return jnp.where(inside(dt * jnp.arange(samples), self.intervals), self.ratio, 1.0)
+        time = dt * jnp.arange(samples)
+        if self.times is not None and self.strengths is not None:
+            return jnp.interp(time, self.times, self.strengths)
+        return jnp.where(inside(time, self.intervals), self.ratio, 1.0)

@@ -1,0 +1,204 @@
+"""Spikes among values that are normal else, or nearly so, by maximum likelihood.
+
+It looks at the whitened record, which is independent and standard normal when nothing is amiss.
+"""
+
+import itertools
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.fft import irfft, rfftfreq
+from scipy.optimize import minimize, minimize_scalar
+from scipy.special import expit
+from scipy.stats import chi2
+
+# Uniform parts whose fourth powers add up to less than that of this change no tail.
+_FLAT = 0.3
+# Half-width and points of the grid on which a body that is not normal is computed [standard
+# deviations], and the density below which rounding errors show.
+_GRID_REACH, _GRID_POINTS, _LEAST_DENSITY = 16.0, 4096, 1e-13
+# Shares of spikes, and their size over that of the body, to begin with.
+_SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
+# Logarithm of a size beyond all others.
+_FAR = 300.0
+
+
+class Contamination(NamedTuple):
+    """A mixture: a `fraction` of the samples has spikes of size `amplitude` added.
+
+    Spikes are normal with this rms, or have Student's distribution with two degrees of freedom
+    and this scale where that says more: many small ones and a few that are huge.
+    """
+
+    fraction: float
+    amplitude: float
+    sigma: float
+    heavy: bool
+    #: Half-widths of what is uniform in values without spikes, in their standard deviations.
+    boxes: tuple[float, ...]
+    #: Beyond this a sample is more likely a spike than not.
+    threshold: float
+    #: Draws of (fraction, amplitude, sigma), shape (draws, 3).
+    draws: Float[np.ndarray, "draws three"]
+    #: Twice the log-likelihood gained over one normal distribution.
+    gain: float
+    p_value: float
+
+
+def contamination(
+    values: Float[np.ndarray, " samples"], seed: int, boxes: tuple[float, ...] = ()
+) -> Contamination:
+    """Spikes among other values, by maximum likelihood on their histogram.
+
+    Most of what is said of spikes comes from the tails: the body is summed in narrow bins, so that
+    a million samples cost no more than a thousand. The body is normal, or the sum of a normal value
+    and of uniform ones of half-widths `boxes` (in standard deviations of the sum), whichever is
+    likelier: tails that are lighter than a normal one's would hide spikes.
+    """
+    sigma = float(np.std(values))
+    middle = 1.4826 * float(np.median(np.abs(values)))
+    size = np.abs(values) / middle
+    edges = np.concatenate([np.linspace(0, 6, 241), [np.inf]])
+    body = np.histogram(size, edges)[0].astype(float)
+    centres = (edges[:-2] + edges[1:-1]) / 2 * middle
+    tail = size[size >= 6] * middle
+    points = np.concatenate([centres, tail])
+    weights = np.concatenate([body[:-1], np.ones(tail.size)])
+
+    def negative(three: Float[np.ndarray, " three"], heavy: bool, boxes: tuple) -> float:
+        mixture = sum(_densities(_free(three), heavy, boxes, points))
+        return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
+
+    def alone(width: float, boxes: tuple) -> float:
+        return -float(weights @ log_body(points, width, boxes))
+
+    # The same histogram under one distribution of its own best width.
+    width = np.sqrt(weights @ points**2 / weights.sum())
+    reach = (0.8 * width, 1.1 * width)
+    light = sum(each**4 for each in boxes) > _FLAT**4
+    bodies = ((), boxes) if light else ((),)
+    singles: list[Any] = [minimize_scalar(alone, bounds=reach, args=(each,)) for each in bodies]
+    plain = min(float(single.fun) for single in singles)
+    best, shape = None, (False, ())
+    for body_of, spread, (fraction, spike) in itertools.product(bodies, (False, True), _SPIKES):
+        start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
+        found = minimize(
+            negative, start, (spread, body_of), "Nelder-Mead", options={"maxiter": 600}
+        )
+        _, height, core = _free(found.x)
+        if spread and height < core:
+            # No spikes, but all of the values under another distribution.
+            continue
+        # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
+        if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
+            best, shape = found, (spread, body_of)
+    assert best is not None
+    gain = max(2 * (plain - best.fun), 0.0)
+    draws = curvature_draws(lambda x: negative(x, *shape), best.x, seed)
+    found = np.array([_free(each) for each in draws])
+    value = _free(best.x)
+    grid = np.linspace(2, 12, 2001) * value[2]
+    usual, spikes = _densities(value, *shape, grid)
+    threshold = float(grid[np.argmax(spikes > usual)]) if np.any(spikes > usual) else np.inf
+    # Fraction and size are free only where there are spikes.
+    chance = float(chi2.sf(gain, 2))
+    return Contamination(*value, *shape, threshold, found, gain if sigma else 0.0, chance)
+
+
+def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]:
+    """Fraction, size and width from their logistic or logarithm."""
+    # Where there are no spikes their size may run away, and its square shall still be a number.
+    size, width = np.exp(np.clip(parameters[1:], -_FAR, _FAR))
+    return float(expit(parameters[0])), float(size), float(width)
+
+
+def _densities(
+    three: tuple[float, float, float],
+    heavy: bool,
+    boxes: tuple[float, ...],
+    at: Float[np.ndarray, " values"],
+):
+    """Densities of the body and of the spikes of a mixture."""
+    fraction, size, core = three
+    wide = np.hypot(core, size)
+    spike = _student(at / wide) if heavy else normal(at / wide)
+    return (1 - fraction) * _body(at / core, boxes) / core, fraction * spike / wide
+
+
+def _body(
+    x: Float[np.ndarray, " values"], boxes: tuple[float, ...]
+) -> Float[np.ndarray, " values"]:
+    """Of a normal value and uniform ones within `boxes` together, of variance 1."""
+    if not boxes:
+        return normal(x)
+    grid, logarithm = _sum_of_uniform(boxes)
+    return np.exp(np.interp(np.abs(x), grid, logarithm, right=-_FAR))
+
+
+@lru_cache
+def _sum_of_uniform(
+    boxes: tuple[float, ...],
+) -> tuple[Float[np.ndarray, " points"], Float[np.ndarray, " points"]]:
+    """The log density of a sum, which is the transform of the product of its parts' own."""
+    half = np.asarray(boxes)
+    rest = 1 - np.sum(half**2) / 3
+    step = 2 * _GRID_REACH / _GRID_POINTS
+    angular = 2 * np.pi * rfftfreq(_GRID_POINTS, step)
+    parts = np.prod(np.sinc(half[:, None] * angular / np.pi), axis=0)
+    density = np.asarray(irfft(np.exp(-rest * angular**2 / 2) * parts))[: _GRID_POINTS // 2] / step
+    known = int(np.argmax(density < _LEAST_DENSITY))
+    grid = step * np.arange(density.size)
+    logarithm = np.log(density[:known])
+    # Beyond all uniform parts the tail is that of the normal one.
+    beyond = grid[known:] - grid[known - 1]
+    tail = logarithm[-1] + beyond * (logarithm[-1] - logarithm[-2]) / step - beyond**2 / 2 / rest
+    return grid, np.concatenate([logarithm, tail])
+
+
+# Written out: SciPy's take five times as long, mostly to look at their arguments.
+def normal(x: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
+    """Density of a standard normal distribution."""
+    return np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
+
+
+def _student(x: Float[np.ndarray, " values"]) -> Float[np.ndarray, " values"]:
+    """Of two degrees of freedom."""
+    return (2 + x**2) ** -1.5
+
+
+def log_body(
+    at: Float[np.ndarray, " values"], width: float, boxes: tuple[float, ...]
+) -> Float[np.ndarray, " values"]:
+    """Log density of values without spikes, of standard deviation `width`."""
+    return np.log(np.maximum(_body(at / width, boxes), 1e-300) / width)
+
+
+def log_mixture(
+    found: Contamination, at: Float[np.ndarray, " values"]
+) -> Float[np.ndarray, " values"]:
+    """Log density of a mixture."""
+    three = found.fraction, found.amplitude, found.sigma
+    return np.log(np.maximum(sum(_densities(three, found.heavy, found.boxes, at)), 1e-300))
+
+
+def curvature_draws(
+    negative, at: Float[np.ndarray, " k"], seed: int
+) -> Float[np.ndarray, "draws k"]:
+    """A normal posterior about the maximum, from the curvature there."""
+    size = at.size
+    step = 1e-2
+    hessian = np.zeros((size, size))
+    unit = step * np.eye(size)
+    for i in range(size):
+        for j in range(size):
+            hessian[i, j] = (
+                negative(at + unit[i] + unit[j])
+                - negative(at + unit[i] - unit[j])
+                - negative(at - unit[i] + unit[j])
+                + negative(at - unit[i] - unit[j])
+            ) / (4 * step**2)
+    values, vectors = np.linalg.eigh((hessian + hessian.T) / 2)
+    scale = vectors / np.sqrt(np.maximum(values, 1e-2))
+    return at + np.random.default_rng(seed).standard_normal((2000, size)) @ scale.T
