@@ -1,7 +1,7 @@
 """Whether the shape of a spectrum, or the strength of noise, changes in the course of a record."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Shaped
 from scipy.stats import chi2
 
 # A swing of the noise is looked for from so many periods on, and up to as many short of half the
@@ -32,9 +32,9 @@ def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
     return np.abs(np.fft.rfft(_tiled(white))) ** 2 / TILE
 
 
-def shares(flags: Bool[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
-    """How much of each tile is flagged."""
-    return _tiled(flags).mean(axis=1)
+def shares(values: Shaped[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
+    """The mean of each tile: of flags, how much of it is flagged."""
+    return _tiled(values).mean(axis=1)
 
 
 def _tiled(values: np.ndarray) -> np.ndarray:

@@ -83,6 +83,8 @@ def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulati
     """A shift that begins and ends where the mean says, and loud times that do so, then."""
     changing = state.modulation
     assert changing is not None
+    if changing.strength is not None:
+        return course, changing
     sized = with_course(state, course)
     variance = _means.ordinate_variance(state.spectrum, sized.model, sized.data)
     loud = state.flags(changing.loud)

@@ -166,9 +166,11 @@ def _begin_again(
     later.knocks, later.witnesses = state.knocks, state.witnesses
     if state.vibration is not None and state.modulation is not None:
         # So it is with vibration.
-        loud = state.flags(state.modulation.loud)[later.looked_at]
-        later.modulation = state.modulation._replace(loud=loud)
-        later.vibration = state.vibration._replace(times=later.modulation)
+        of = np.isin(state.looked_at, later.looked_at)
+        later.modulation = state.modulation.of(of)
+        later.vibration = state.vibration._replace(
+            times=later.modulation, course=state.vibration.course[of]
+        )
         found = state.finding("variance_modulation")
         if found is not None:
             later.findings.append(replace(found, detail=later.modulation))

@@ -260,7 +260,8 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
 def loudness(state: Investigation, changing: Modulation) -> Float[np.ndarray, "samples columns"]:
     """Local variance of the fast noise [u^2], centred: what may rectify."""
     if state.vibration is not None:
-        added = np.where(changing.loud, state.vibration.variance, 0.0)
+        course = state.vibration.course if changing.strength is not None else changing.loud
+        added = state.vibration.variance * course
     else:
         power = changing.deviation() ** 2
         added = (power - 1) / power.mean()

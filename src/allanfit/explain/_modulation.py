@@ -53,6 +53,11 @@ class Modulation(NamedTuple):
     strength: Float[np.ndarray, " samples"] | None = None
     extremes: Float[np.ndarray, " draws"] | None = None
 
+    def of(self, kept: Bool[np.ndarray, " samples"]) -> "Modulation":
+        """The same of some of the samples."""
+        strength = None if self.strength is None else self.strength[kept]
+        return self._replace(loud=self.loud[kept], strength=strength)
+
     def deviation(self) -> Float[np.ndarray, " samples"]:
         """Of each sample, over that of the quiet times."""
         return np.where(self.loud, self.ratio, 1.0) if self.strength is None else self.strength
