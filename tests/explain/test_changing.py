@@ -60,6 +60,18 @@ def test_a_band_that_was_cut_out_says_nothing_of_the_shape():
     assert all(reshaped_at_times(each, share, density) for each in records)
 
 
+def test_a_band_that_is_faint_at_times_says_nothing_of_the_shape():
+    """White noise of 60 times what is quiet at low frequency, in every other part of a record."""
+    rng = np.random.default_rng(10)
+    quiet = 0.02 + 5 * np.sin(np.pi * np.arange(129) / 256) ** 2
+    density = quiet + 0.6
+    parts = [(quiet + 1.2 * (k % 2)) / density * rng.exponential(size=(40, 129)) for k in range(24)]
+    assert reshaped(parts, density) is None
+    # Where tiles leak there is more of it than the density says.
+    parts = [each + 0.02 for each in parts]
+    assert reshaped(parts, density) is None
+
+
 def test_a_contrast_that_stays_is_silent_and_one_that_moves_is_seen():
     """Of 200 steady records a tenth at .1 or fewer; false alarm 2e-3. Then a tilt to and fro."""
     rng = np.random.default_rng(6)

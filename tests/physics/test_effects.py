@@ -48,7 +48,7 @@ CONTRACT = {
     "sample_hold": ["repeat", "regular"],
     "dropped_samples": ["fraction"],
     "saturation": ["limit", "low", "high"],
-    "variance_modulation": ["ratio", "intervals"],
+    "variance_modulation": ["ratio", "intervals", "times", "strengths"],
     "vibration_rectification": ["coefficient"],
     "disturbance": ["intervals"],
     "bump": ["height", "frequency", "width", "high_pass", "flat"],

@@ -240,6 +240,18 @@ def test_loud_times_are_loud_at_all_frequencies():
     assert means[400:].std() / means[:400].std() == pytest.approx(2, rel=0.12)
 
 
+def test_a_strength_that_varies_goes_in_straight_lines():
+    """From 1 to 3 and back. Block deviations of 4000 samples each, known to 1.1 %."""
+    given = {"times": [0.0, 800.0, 1600.0], "strengths": [1.0, 3.0, 1.0]}
+    effect = effect_from(
+        "variance_modulation", {"ratio": 3.0, "intervals": [[0.0, 1600.0]], **given}
+    )
+    drawn = draw_recording(KEY, standard_model({"N": 1.0}), [effect], 160_000, DT, "point")
+    found = np.asarray(drawn).reshape(40, -1).std(axis=1) * np.sqrt(DT)
+    middles = (np.arange(40) + 0.5) / 20
+    assert found == pytest.approx(1 + 2 * (1 - np.abs(middles - 1)), rel=0.05)
+
+
 def test_steps_up_and_down():
     given = {"amplitude": 1.0, "times": [2.0, 6.0], "heights": [1.5, -0.5]}
     effect = effect_from("step", given)

@@ -16,6 +16,8 @@ _MOST_PARTS = 24
 _RESHAPED = 1e-6
 # And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
 _PLAIN = 0.1
+# A band that has less than that of its mean at times is left out.
+_FULL = 0.5
 # Less of a tile's power is none; more of a tile is all of it.
 _CUT, _NEARLY_ALL = 0.02, 0.99
 # Of the periods over all tiles the slowest are looked at: one in so many.
@@ -63,20 +65,21 @@ def reshaped(
         return None
     usable = np.ones(density.size, bool) if usable is None else usable
     edges = np.unique(np.geomspace(1, TILE // 2, _BANDS + 1).round().astype(int))
-    count = np.add.reduceat(usable, edges, dtype=int)[:-1]
-    kept = count > 0
-    if kept.sum() < _FEWEST_BANDS:
-        return None
-    count = count[kept]
+    in_band = np.maximum(np.add.reduceat(usable, edges, dtype=int)[:-1], 1)
 
     def banded(spectra: np.ndarray) -> np.ndarray:
-        return np.add.reduceat(spectra * usable, edges, axis=-1)[..., :-1][..., kept] / count
+        return np.add.reduceat(spectra * usable, edges, axis=-1)[..., :-1] / in_band
 
     in_bands = [banded(group) for group in groups]
     mean = np.stack([each.mean(axis=0) for each in in_bands])
     variance = np.stack([each.var(axis=0, ddof=1) / len(each) for each in in_bands])
+    # What is faint at times, others leak into.
+    kept = np.min(mean, axis=0) > _FULL
+    if kept.sum() < _FEWEST_BANDS:
+        return None
+    mean, variance, count = mean[:, kept], variance[:, kept], in_band[kept]
     # Whitened by their mean, white noise that is added weighs as one over the density there.
-    weight = banded(1 / density)
+    weight = banded(1 / density)[kept]
     tiles_in = np.array([[len(group)] for group in groups])
     variance = np.maximum(variance, mean**2 / count / tiles_in)
     if len(groups) == 2:
