@@ -12,6 +12,7 @@ from .curves import LongStatistics
 from .recording import Blocks, RecordingError, read_in_blocks
 from .recording._blocks import Run
 from .recording._checks import FEWEST_SAMPLES
+from .recording._wording import left_out
 
 
 @dataclass(frozen=True)
@@ -127,13 +128,10 @@ def _take(taken: LongStatistics, run: Run) -> None:
 
 def findings_of(blocks: Blocks, statistics: dict[str, LongStatistics]) -> tuple[str, ...]:
     """Those of the file, and one for each channel that is not among the statistics."""
-    left_out = [channel.name for channel in blocks.channels if channel.name not in statistics]
+    useless = [channel.name for channel in blocks.channels if channel.name not in statistics]
     return (
         *blocks.findings,
-        *(
-            f"The channel {name} is left out: it is constant or has too few samples."
-            for name in left_out
-        ),
+        *left_out({"it is constant or has too few samples": useless} if useless else {}),
         "Read in blocks: saturation, repeats and code width are told of the first block alone, "
         "effects of temperature and the influence of pieces not at all.",
     )

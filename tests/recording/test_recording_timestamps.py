@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from allanfit.recording import RecordingError, load
-from allanfit.recording._timestamps import read_clock
+from allanfit.recording._timestamps import is_time, read_clock
 
 EVEN = np.arange(20_000) / 100
 
@@ -230,8 +230,26 @@ def test_useless_stamps(stamps, message):
 
 
 def test_a_unit_that_is_no_time():
-    with pytest.raises(RecordingError, match="their unit 'min' is none of s, ms, us and ns"):
-        clock(EVEN, unit="min")
+    with pytest.raises(RecordingError, match="their unit 'm' is none of h, min, s, ms, us and ns"):
+        clock(EVEN, unit="m")
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "seconds"),
+    [
+        ("time", "min", 60),
+        ("Time", "h", 3600),
+        ("seconds", "", 1),
+        ("epoch_us", "", 1e-6),
+        ("GPS_TOW", "s", 1),
+        ("usec", "", 1e-6),
+        ("msg.header.stamp_ns", "", 1e-9),
+    ],
+)
+def test_what_loggers_call_their_stamps(name, unit, seconds):
+    assert is_time(name, unit)
+    told = clock(EVEN / seconds, name=name, unit=unit)
+    assert (told.rate_hz, told.findings) == (pytest.approx(100, rel=1e-6), ())
 
 
 @pytest.mark.parametrize(

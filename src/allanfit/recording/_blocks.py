@@ -34,7 +34,7 @@ from ._load import (
 from ._mistakes import about_mistakes
 from ._recording import Channel, Progress, RecordingError, Table
 from ._timestamps import CATCH_UP
-from ._wording import count
+from ._wording import count, left_out
 
 # Time stamps are judged over as many samples at least, as those of a short record are.
 _FEWEST = 16 * CATCH_UP
@@ -218,6 +218,7 @@ class Blocks:
         """The channels without their samples, with what the first of these tell."""
         # What is constant so far is no sensor that a unit would help.
         kept, known = [], {}
+        useless_for: dict[str, list[str]] = {}
         for name in self._asked:
             column, unit = values[name], self._units[name]
             still = frozen(column)
@@ -233,7 +234,7 @@ class Blocks:
             if why:
                 if wanted:
                     raise RecordingError(f"{self.name}: channel {name} cannot be analysed: {why}.")
-                self._findings[f"The channel {name} is left out: {why}."] = None
+                useless_for.setdefault(why, []).append(name)
                 continue
             about = ()
             if seen.size and seen.min() < seen.max():
@@ -249,6 +250,7 @@ class Blocks:
             kept.append(channel_of(name, column, unit, stretches, about))
         if not kept:
             raise RecordingError(f"{self.name} has no channel to analyse.")
+        self._findings |= dict.fromkeys(left_out(useless_for))
         self._findings |= dict.fromkeys(about_units(known, self._first, self._unit))
         if all(usable(channel.samples, channel.stretches).size for channel in kept):
             self._findings |= dict.fromkeys(about_gravity(kept))

@@ -80,8 +80,9 @@ def find_layout(file: str, text: bytes) -> Layout:
     if start > 0:
         header = read_header(file, rows[:start], filled[:start], fields)
     else:
-        header = named(file, _commented(lines[:first], separator), len(fields))
-        if not all(
+        commented = _commented(lines[:first], separator)
+        header = named(file, commented, len(fields))
+        if len(commented) != len(fields) and not all(
             is_number(each, comma) or each in MISSING or is_clock(each) or is_date(each)
             for each in fields
         ):

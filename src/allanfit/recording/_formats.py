@@ -1,7 +1,7 @@
 """Which reader a file belongs to, by its name."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -13,6 +13,7 @@ from ._npz import npy_blocks, npz_blocks, read_npy, read_npz
 from ._parquet import parquet_blocks, read_parquet
 from ._recording import Block, Progress, RecordingError, Table, table_blocks
 from ._ros import is_ros2_bag, read_ros, ros_topics
+from ._stamp_pairs import joined
 from ._topics import Topic, topic_of
 from ._ulog import read_ulog, ulog_topics
 
@@ -47,13 +48,13 @@ def _one_table(
 
     def only(path: Path, topic: str | None, progress: Progress | None) -> Table:
         refuse_topic(path, topic)
-        return read(path)
+        return joined(read(path))
 
     def only_blocks(path: Path, samples: int, topic: str | None) -> Iterator[Block]:
         refuse_topic(path, topic)
-        return blocks(path, samples)
+        return (replace(block, table=joined(block.table)) for block in blocks(path, samples))
 
-    return _Format(only, lambda path: (topic_of(read(path)),), only_blocks)
+    return _Format(only, lambda path: (topic_of(joined(read(path))),), only_blocks)
 
 
 def _in_parts(

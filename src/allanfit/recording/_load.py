@@ -20,11 +20,13 @@ from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
 from ._unit_endings import unit_in_name
 from ._units import Unit, parse_given, parse_unit
-from ._wording import count
+from ._wording import count, left_out
 
 # From a clock compared once a week to what no converter reaches.
 _RATES = (1e-6, 1e9)
 _MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
+# What a filter made of the sensors, in a message of ROS.
+_ORIENTATION = re.compile(r"(?:.*[./])?orientation[./][xyzw]")
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)|^w[_ ]?[xyz]$", re.IGNORECASE)),
     ("accelerometer", re.compile(r"acc|^a[_ ]?[xyz]$", re.IGNORECASE)),
@@ -93,7 +95,8 @@ def load(
         )
     clock = clock_of(path, table, stamps, rate_hz)
     units = units_of(asked, aside, table, unit)
-    kept, left_out = [], []
+    kept = []
+    useless_for: dict[str, list[str]] = {}
     for name in asked:
         values = units[name].read(table.columns[name])
         still = frozen(values)
@@ -104,15 +107,15 @@ def load(
         if useless and wanted:
             raise RecordingError(f"{path.name}: channel {name} cannot be analysed: {useless}.")
         if useless:
-            left_out.append(f"The channel {name} is left out: {useless}.")
+            useless_for.setdefault(useless, []).append(name)
             continue
         about = about_samples(values, still, stretches, units[name].name, clock.rate_hz)
         kept.append(channel_of(name, values, units[name], stretches, about))
     if not kept:
-        raise RecordingError(f"{path.name} has no channel to analyse. {left_out[-1]}")
+        raise RecordingError(f"{path.name} has no channel to analyse. {left_out(useless_for)[-1]}")
     auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
     said = about_units({channel.name: units[channel.name] for channel in kept}, table, unit)
-    findings = [*table.findings, *clock.findings, *said, *left_out, *doubts]
+    findings = [*table.findings, *clock.findings, *said, *left_out(useless_for), *doubts]
     digest = hashlib.sha256()
     for channel in (*kept, *(each for each in auxiliary if each.kind == "temperature")):
         digest.update(channel.samples.data)
@@ -159,7 +162,8 @@ def columns_of(
     warm = {name for name in table.columns if is_temperature(name, table.unit(name), table)}
     times = [name for name in time_columns(table.columns, table.units) if name not in warm]
     names = [name for name in table.columns if name not in times]
-    aside = {name for name in names if name in warm or _MAGNETOMETER.match(name)}
+    beside = [name for name in names if _MAGNETOMETER.match(name) or _ORIENTATION.fullmatch(name)]
+    aside = {*(name for name in names if name in warm), *beside}
     return next(iter(times), None), aside, warm, _asked(path, names, aside, channels)
 
 

@@ -22,15 +22,23 @@ OF_DAY = "ns of the day"
 """The unit of stamps that begin again at midnight."""
 
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_SPELLINGS = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "nsec": "ns"}
+_LONGER = {"min": 60.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0, "days": 86_400.0}
+_SPELLINGS = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "usec": "us", "nsec": "ns"}
 _WHOSE = "elapsed|epoch|unix|utc|gps|ros|system|sys|host|device|dev|sensor|sample|header|log"
 _NAME = re.compile(
-    rf"(?:(?:(?:{_WHOSE})[_ ]?)?time(?:[_ ]?stamps?)?(?:[_ ]?elapsed)?|stamps?|t|ts|elapsed|zeit)"
-    r"(?:_(s|sec)|_?(ms|us|ns|msec|usec|nsec))?",
+    rf"(?:(?:(?:{_WHOSE})[_ ]?)?time(?:[_ ]?stamps?)?(?:[_ ]?elapsed)?"
+    r"|stamps?|t|ts|elapsed|epoch|(?:gps[_ ]?)?tow|zeit)"
+    r"(?:_(s|secs?|seconds)|_?(ms|us|ns|msec|usec|nsec))?",
     re.IGNORECASE,
 )
 # Loggers that count give the unit as the name.
-_COUNTS = {"millis": "ms", "micros": "us", "nanos": "ns", "seconds_elapsed": "s"}
+_COUNTS = {
+    **{"millis": "ms", "msec": "ms", "milliseconds": "ms", "micros": "us", "usec": "us"},
+    **{"microseconds": "us", "nanos": "ns", "nsec": "ns", "nanoseconds": "ns"},
+    **{"seconds_elapsed": "s", "seconds": "s", "secs": "s"},
+}
+# What a message of ROS is called by: its own stamp, and not when it arrived.
+_OWN_STAMP = "header.stamp"
 
 _DAY_NS = 86_400e9
 # Days since 1900 in spreadsheets, since the year 0 in MATLAB; as s, such stamps of sensors that
@@ -75,11 +83,18 @@ def is_time(name: str, unit: str = "") -> bool:
 def time_columns(columns: Iterable[str], units: Mapping[str, str]) -> list[str]:
     """Those that hold times; the likeliest time stamps, which are called so, come first."""
     times = [name for name in columns if is_time(name, units.get(name, ""))]
-    return sorted(times, key=lambda name: not _has_name_of_time(name))
+    return sorted(
+        times, key=lambda name: (not _has_name_of_time(name), not name.endswith(_OWN_STAMP))
+    )
 
 
 def _has_name_of_time(name: str) -> bool:
-    return _NAME.fullmatch(name) is not None or name.lower() in _COUNTS
+    return _NAME.fullmatch(_last(name)) is not None or _last(name).lower() in _COUNTS
+
+
+def _last(name: str) -> str:
+    """The name of a field within its message or structure."""
+    return re.split("[./]", name)[-1]
 
 
 def _plain_unit(unit: str) -> str:
@@ -228,12 +243,14 @@ def _tick(
     given_hz: float | None,
 ) -> tuple[str, float, tuple[str, ...]]:
     """The unit of the stamps, seconds in one, and a finding when that had to be inferred."""
-    suffix = _NAME.fullmatch(name)
-    in_name = _COUNTS.get(name.lower(), (suffix and (suffix[1] or suffix[2])) or "")
+    suffix = _NAME.fullmatch(_last(name))
+    in_name = _COUNTS.get(_last(name).lower(), (suffix and (suffix[1] or suffix[2])) or "")
     stated = _plain_unit(unit or in_name)
+    if stated in _LONGER:
+        return "", _LONGER[stated], ()
     if stated:
         if stated not in _SECONDS:
-            raise _unusable(f"their unit '{unit}' is none of s, ms, us and ns")
+            raise _unusable(f"their unit '{unit}' is none of h, min, s, ms, us and ns")
         return stated, _SECONDS[stated], ()
     middle = float(np.nanmedian(stamps))
     if 0 < interval < _SHORT_FOR_S and any(low <= middle <= high for low, high in _DAYS):

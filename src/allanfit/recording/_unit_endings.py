@@ -21,9 +21,16 @@ _ACCELERATION = re.compile(r"(?:.*[\W_])?(?:a[xyz]|acc[a-z]*(?:[\W_]*[xyz])?)[\W
 _TEMPERATURE = re.compile(r"(?:(?:.*[\W_])?[Tt]emp\w*|T)[\W_]([CKF])")
 
 
+# Of messages of ROS, by the definition of sensor_msgs/Imu.
+_ROS = (
+    ("rad/s", re.compile(r"(?:.*[./])?angular_velocity[./][xyz]")),
+    ("m/s^2", re.compile(r"(?:.*[./])?linear_acceleration[./][xyz]")),
+)
+
+
 def unit_in_name(name: str) -> str:
-    """The unit at the end of a name, "" where there is none or where it might be something else."""
-    for unit, ending in _ENDINGS:
+    """The unit that a name tells, "" where it tells none or where that might be something else."""
+    for unit, ending in (*_ENDINGS, *_ROS):
         if ending.fullmatch(name):
             return unit
     if found := _ACCELERATION.fullmatch(name):

@@ -1,4 +1,9 @@
-"""Numbers in the sentences of findings."""
+"""Numbers and names in the sentences of findings."""
+
+from collections.abc import Mapping, Sequence
+
+# So many names are told one by one.
+_TOLD = 3
 
 
 def count(number: int, noun: str) -> str:
@@ -17,3 +22,16 @@ def percent(fraction: float) -> str:
         return "over 99 %"
     rounded = 100 * float(f"{fraction:.2g}")
     return f"{rounded:.3g} %"
+
+
+def left_out(reasons: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """A sentence for each reason why channels are left out, however many they are."""
+    said = []
+    for why, names in reasons.items():
+        if len(names) == 1:
+            said.append(f"The channel {names[0]} is left out: {why}.")
+        else:
+            more = f" and {len(names) - _TOLD} more" if len(names) > _TOLD else ""
+            told = ", ".join(names[:_TOLD]) if more else " and ".join(names)
+            said.append(f"The channels {told}{more} are left out, each since {why}.")
+    return tuple(said)
