@@ -42,6 +42,11 @@ def noise():
             lambda x: x + 0.05 * ((TIME > 100) & (TIME < 180)) * np.sin(2 * np.pi * 7.3 * TIME),
             "one frequency and phase whose strength changes, mostly from",
         ),
+        # Three times, and far too strong for a quarter of an ordinate to do.
+        (
+            lambda x: x + 0.1 * (TIME % 130 < 50) * np.sin(2 * np.pi * 7.3 * TIME),
+            "a line",
+        ),
         (lambda x: x * np.sqrt(1 + 0.5 * np.sin(2 * np.pi * TIME / 3)), "swings, every 3 s"),
         (lambda x: x + 0.08 * (TIME % 2 < 0.03), "a waveform repeats, every 2 s"),
         # Between values 1/0.73 apart; the difference of the rates is 13.5 Hz.
@@ -50,7 +55,15 @@ def noise():
             "swings, every 0.07407 s; interpolation",
         ),
     ],
-    ids=["bursts of a line", "sweep", "a line that is switched on", "swing", "pulses", "between"],
+    ids=[
+        "bursts of a line",
+        "sweep",
+        "a line that is switched on",
+        "a line that is switched on three times",
+        "swing",
+        "pulses",
+        "between",
+    ],
 )
 def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     channel = explained(tmp_path, cause(noise))

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.fft import dct, idct
 
 from . import _search
 from ._climb import effects_density, noise_at
@@ -116,10 +117,15 @@ def alone(
     low, high = max(middle - half, 1 / white.size), min(middle + half, 0.5)
     ordinates = inside(white.size, low, high)
     frequency = np.arange(ordinates.start, ordinates.stop) / white.size
-    level = beside(state, group, frequency)
-    made_white = np.interp(frequency, state.left.frequency, state.variance)
-    flat = np.fft.fft(narrow_band(white, low, high)) * np.sqrt(made_white / level)
-    return Demodulated(np.fft.ifft(flat), frequency, level)
+    # As cosines, which is how it was made white: what rings as long as the record differs at its
+    # ends, and a narrow peak does.
+    coefficients = np.asarray(dct(white, norm="ortho"))
+    at = np.arange(white.size) / (2 * white.size)
+    near = (at > low - 1 / white.size) & (at < high + 1 / white.size)
+    made_white = np.interp(at[near], state.left.frequency, state.variance)
+    coefficients[near] *= np.sqrt(made_white / beside(state, group, at[near]))
+    flat = np.asarray(idct(coefficients, norm="ortho"))
+    return Demodulated(narrow_band(flat, low, high), frequency, beside(state, group, frequency))
 
 
 def band_of(state: Investigation, group: list[Narrow], widths: float) -> Band:

@@ -12,8 +12,8 @@ from scipy.special import ive, logsumexp
 
 from ._tracked import Baseband
 
-# Frequencies that are tried, in parts of an ordinate.
-_APART = 0.25
+# Frequencies that are tried, in parts of an ordinate; about the best so many times finer, twice.
+_APART, _FINER = 0.25, 5
 # A line is on for less than this part of the record and holds as much of its power then.
 _SHORT, _MOSTLY = 0.8, 0.9
 # An interval is looked for among so many moments.
@@ -49,22 +49,33 @@ def one_phase(
     order = np.arange(1, max(last, 1) + 1)
     beside, at_middle = excess(order), float(excess(np.zeros(1))[0])
     weight, own = 2 * beside / (1 + 2 * beside), at_middle / (1 + 2 * at_middle)
-    places = middle + np.arange(-reach, reach + _APART / 2, _APART)
-    in_phase, normal = [], []
-    for place in places:
+    known = np.log1p(2 * beside).sum() + np.log1p(2 * at_middle) / 2
+
+    def both(place: float) -> tuple[float, float]:
+        """Log-likelihoods of one phase and of normal noise about a middle."""
         turned = band * np.exp(-2j * np.pi * place * time / band.size)
         ordinates = np.fft.fft(turned) / np.sqrt(band.size)
         above, below, carrier = ordinates[order], ordinates[-order], ordinates[0]
         power = np.abs(above) ** 2 + np.abs(below) ** 2
         told = weight @ power / 2 + own * np.abs(carrier) ** 2
         together = float(np.abs(np.sum(weight * above * below) + own * carrier**2))
-        known = np.log1p(2 * beside).sum() + np.log1p(2 * at_middle) / 2
-        in_phase.append(told - known + np.log(ive(0, together)) + together)
-        told = (beside / (1 + beside)) @ power + at_middle / (1 + at_middle) * np.abs(carrier) ** 2
-        normal.append(told - 2 * np.log1p(beside).sum() - np.log1p(at_middle))
-    best = float(places[int(np.argmax(in_phase))])
-    gain = float(logsumexp(in_phase) - np.log(places.size) - max(normal))
-    return OnePhase(gain, best, _on(band * np.exp(-2j * np.pi * best * time / band.size)))
+        noise = (beside / (1 + beside)) @ power + at_middle / (1 + at_middle) * np.abs(carrier) ** 2
+        return (
+            float(told - known + together) + float(np.log(ive(0, together))),
+            float(noise - 2 * np.log1p(beside).sum() - np.log1p(at_middle)),
+        )
+
+    # The stronger a line is, the finer its frequency shows.
+    best, half, normal, likelihood = middle, reach, -np.inf, -np.inf
+    for step in _APART / _FINER ** np.arange(3):
+        places = best + np.arange(-half, half + step / 2, step)
+        in_phase, noise = np.array([both(place) for place in places]).T
+        best, normal = float(places[np.argmax(in_phase)]), max(normal, float(noise.max()))
+        # Anywhere within reach it is as likely to be.
+        found = float(logsumexp(in_phase) + np.log(step / (2 * reach + step)))
+        likelihood, half = max(likelihood, found), min(reach, step)
+    turned = band * np.exp(-2j * np.pi * best * time / band.size)
+    return OnePhase(likelihood - normal, best, _on(turned))
 
 
 def _on(turned: Baseband) -> tuple[float, float] | None:
