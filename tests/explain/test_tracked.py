@@ -2,7 +2,7 @@
 
 import numpy as np
 from scipy.signal import lfilter
-from scipy.special import i0
+from scipy.special import i0, ive
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._tracked import narrow_band, normal_likelihood, tracked_likelihood
@@ -34,6 +34,16 @@ def test_a_frequency_that_stays_is_a_coherent_sum():
     total = np.abs(np.sum(z * np.exp(-2j * np.pi * frequency * np.arange(z.size))))
     expected = np.log(i0(2 * np.sqrt(power) * total)) - z.size * power
     np.testing.assert_allclose(tracked_likelihood(z, frequency, 1e-6, power), expected, rtol=1e-7)
+
+
+def test_a_line_may_be_a_thousand_times_as_strong_as_the_noise():
+    """As a coherent sum again; its phase at each of 32 steps costs part of so strong a line."""
+    frequency, power = 12 / 32, 1e6
+    z = white(np.random.default_rng(5), 40)
+    z += np.sqrt(power) * np.exp(2j * np.pi * frequency * np.arange(z.size))
+    total = 2 * np.sqrt(power) * np.abs(np.sum(z * np.exp(-2j * np.pi * frequency * np.arange(40))))
+    expected = total + np.log(ive(0, total)) - z.size * power
+    np.testing.assert_allclose(tracked_likelihood(z, frequency, 1e-6, power), expected, rtol=1e-4)
 
 
 def test_on_average_white_noise_is_no_likelier_to_be_a_line():

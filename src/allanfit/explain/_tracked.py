@@ -15,6 +15,8 @@ from scipy.special import logsumexp
 _STEPS = 32
 # How long a frequency lasts, in samples of the band; any of them may be.
 _MEMORIES = (10.0, 30.0, 100.0, 300.0, 1000.0)
+# Where no frequency and phase is likely at all.
+_LEAST = 1e-280
 # Steps of which a normal distribution is sampled well.
 _SMOOTH = 0.6
 
@@ -69,10 +71,12 @@ def tracked_likelihood(band: Baseband, middle: float, width: float, power: float
         if at:
             flat = states.reshape(len(memories), -1)[:, earlier]
             states = moves @ flat.reshape(states.shape)
-        states = states * np.exp(2 * amplitude * (value * turned).real - power)
-        total = states.sum(axis=(1, 2))
+        told = 2 * amplitude * (value * turned).real - power
+        # Relative to the likeliest: of a strong line the largest is beyond all numbers.
+        states = states * np.exp(told - told.max())
+        total = np.maximum(states.sum(axis=(1, 2)), _LEAST)
         states /= total[:, None, None]
-        found += np.log(total)
+        found += np.log(total) + told.max()
     return float(logsumexp(found) - np.log(len(memories)))
 
 
