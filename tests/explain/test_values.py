@@ -140,6 +140,25 @@ def test_a_shock_that_reaches_the_rails_is_a_disturbance():
     assert stop >= 10000
 
 
+@pytest.mark.parametrize("size", [1.0, 3.0])
+def test_a_slow_turn_by_hand_is_a_disturbance(size):
+    """To and fro for ten seconds in which noise is hardly louder: of the spectrum it is a peak."""
+    rng = np.random.default_rng(13)
+    walk = 0.005 * np.cumsum(rng.standard_normal(SAMPLES))
+    moment = (np.arange(SAMPLES) - 20_000) / 50
+    turn = size * np.exp(-((moment / 6) ** 4) / 2) * np.sin(0.7 * moment)
+    state = investigate(
+        rng.standard_normal(SAMPLES) + walk + turn,
+        ((0, SAMPLES),),
+        "point",
+        np.array([0.0, 1.0, 0.0, 2.5e-5]),
+    )
+    assert [finding.name for finding in state.findings] == ["disturbance"]
+    ((start, stop),) = state.knocks
+    assert 17_500 < start < 19_800
+    assert 20_200 < stop < 22_500
+
+
 def test_times_at_the_rail_are_cut_out():
     """Tilted beyond its range four times, the sensor shows nothing then."""
     rng = np.random.default_rng(9)

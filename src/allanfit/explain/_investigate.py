@@ -26,6 +26,7 @@ from ._leakage import take_bump
 from ._lines import line_log_chance
 from ._means import Course
 from ._narrow import narrow_noises
+from ._rang_once import rang_once
 from ._refit import drop_courses, evidence, finer_edges, go_back, refit, remembered, resize
 from ._rounded import about_angle, about_format
 from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
@@ -100,7 +101,7 @@ def investigate(
     if about_spread(state, seed):
         state = _without_knocks(state, power, seed)
     _take_all(state, drivers)
-    if moved_while_loud(state):
+    if moved_while_loud(state) or rang_once(state):
         state = _without_knocks(state, power, seed)
         _take_all(state, drivers)
     whole = _with_switches(state, power, seed)

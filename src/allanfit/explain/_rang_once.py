@@ -1,0 +1,71 @@
+"""A narrow band whose power is all at one time: no resonance of the sensor, but a turn by hand.
+
+Slow movements have no fast noise by which they would be loud, and of all the spectrum they are a
+peak.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from ._knocks import BRIEF_SHARE, knock
+from ._modulation import Modulation
+from ._narrow import Narrow, alone, narrow_groups
+from ._state import Investigation, whitened_piece, whitened_pieces
+
+# Widths of a band to either side, and how many widths the record has to tell apart in time.
+_REACH, _FEWEST = 2.0, 30
+# So much of a band's power, above the noise beside it, is within a brief time. Of 30 independent
+# powers of normal noise the largest two never are.
+_MOSTLY = 0.8
+# Lengths of times that are tried, up to the longest that is brief.
+_LENGTHS = 12
+
+
+def rang_once(state: Investigation) -> bool:
+    """Whether a narrow noise is one brief movement, which has to be cut out."""
+    for group in narrow_groups(state):
+        found = _moved(state, group)
+        if found is not None:
+            knock(state, found, whitened_pieces(state))
+            return True
+    return False
+
+
+def _moved(state: Investigation, group: list[Narrow]) -> Modulation | None:
+    """When a group's power is there, if that is brief."""
+    start, stop = state.longest
+    low = min(each.middle - _REACH * each.width for each in group)
+    high = max(each.middle + _REACH * each.width for each in group)
+    low = max(low, 0.0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    if max(each.width for each in group) * (stop - start) < _FEWEST / 2:
+        return None
+    white = whitened_piece(state, state.longest, model_only=True)
+    band = alone(state, white, group, middle, half).band
+    times = _brief(np.abs(band) ** 2 - 1)
+    if times is None:
+        return None
+    each = (stop - start) / band.size
+    loud = np.zeros(state.values.size, bool)
+    loud[start + int(times[0] * each) : start + int(np.ceil(times[1] * each))] = True
+    place = group[0].place - len(state.model.kinds.added)
+    finding = state.findings_of(state.model.kinds.names)[place]
+    chance = 1e-300 if finding is None else float(np.exp(max(finding.log_p, -690.0)))
+    return Modulation(1.0, np.ones(1), loud[state.looked_at], max(int(each), 1), chance)
+
+
+def _brief(excess: Float[np.ndarray, " band"]) -> tuple[int, int] | None:
+    """The shortest time with most of the power, if it is brief."""
+    total = excess.sum()
+    # Of noise alone it scatters by one a sample.
+    if total < 5 * np.sqrt(excess.size):
+        return None
+    sums = np.concatenate([[0.0], np.cumsum(excess)])
+    longest = int(BRIEF_SHARE * excess.size)
+    lengths = np.unique(np.geomspace(1, max(longest, 1), _LENGTHS).round().astype(int))
+    for length in lengths:
+        inside = sums[length:] - sums[:-length]
+        at = int(np.argmax(inside))
+        if inside[at] > _MOSTLY * total:
+            return at, at + int(length)
+    return None
