@@ -174,7 +174,8 @@ def _count_out(state: Investigation, changing: Modulation) -> None:
     # As loud as it gets, in all of the spectrum or in the white part of it.
     share = float(changing.loud.mean())
     quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
-    part = max(1.0, added / share / quiet / (changing.ratio**2 - 1))
+    louder = max(changing.ratio**2 - 1, _WEAKEST)
+    part = max(1.0, added / share / quiet / louder)
     strength = np.maximum(1 + part * (changing.deviation() ** 2 - 1), _WEAKEST)
     dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
     state.spectrum = state.spectrum._replace(dilution=dilution)

@@ -31,14 +31,13 @@ KNOCK_SHARE, KNOCK_RATIO = 0.15, 2.0
 # How much louder the loud times may be than the quiet ones, to begin with.
 _EXCESSES = (0.03, 0.1, 0.3, 1.0, 10.0)
 
-
 Samples = Float[np.ndarray, " samples"]
 Flags = Bool[np.ndarray, " samples"]
 Windows = Float[np.ndarray, " windows"]
 
 
 class Modulation(NamedTuple):
-    """Two levels of variance."""
+    """Two levels of variance, or a course of it."""
 
     #: Standard deviation of the loud times over that of the quiet ones, and draws of that.
     ratio: float

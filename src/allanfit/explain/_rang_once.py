@@ -13,9 +13,9 @@ from ._narrow import Narrow, alone, narrow_groups
 from ._state import Investigation, whitened_piece, whitened_pieces
 
 # Widths of a band to either side, and how many widths the record has to tell apart in time.
-_REACH, _FEWEST = 2.0, 30
-# So much of a band's power, above the noise beside it, is within a brief time. Of 30 independent
-# powers of normal noise the largest two never are.
+_REACH, _FEWEST = 2.0, 15
+# So much of a band's power, above the noise beside it, is within a brief time. Of 24 independent
+# powers of normal noise, as 15 widths have, the largest two never are.
 _MOSTLY = 0.8
 # Lengths of times that are tried, up to the longest that is brief.
 _LENGTHS = 12
@@ -23,25 +23,28 @@ _LENGTHS = 12
 
 def rang_once(state: Investigation) -> bool:
     """Whether a narrow noise is one brief movement, which has to be cut out."""
-    for group in narrow_groups(state):
-        found = _moved(state, group)
+    groups = narrow_groups(state)
+    if not groups:
+        return False
+    white = whitened_piece(state, state.longest, model_only=True)
+    for group in groups:
+        found = _moved(state, white, group)
         if found is not None:
             knock(state, found, whitened_pieces(state))
             return True
     return False
 
 
-def _moved(state: Investigation, group: list[Narrow]) -> Modulation | None:
+def _moved(
+    state: Investigation, white: Float[np.ndarray, " samples"], group: list[Narrow]
+) -> Modulation | None:
     """When a group's power is there, if that is brief."""
     start, stop = state.longest
-    low = min(each.middle - _REACH * each.width for each in group)
-    high = max(each.middle + _REACH * each.width for each in group)
-    low = max(low, 0.0)
-    middle, half = (low + high) / 2, (high - low) / 2
-    if max(each.width for each in group) * (stop - start) < _FEWEST / 2:
+    if max(each.width for each in group) * white.size < _FEWEST:
         return None
-    white = whitened_piece(state, state.longest, model_only=True)
-    band = alone(state, white, group, middle, half).band
+    low = max(min(each.middle - _REACH * each.width for each in group), 0.0)
+    high = max(each.middle + _REACH * each.width for each in group)
+    band = alone(state, white, group, (low + high) / 2, (high - low) / 2).band
     times = _brief(np.abs(band) ** 2 - 1)
     if times is None:
         return None
