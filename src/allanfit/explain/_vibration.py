@@ -143,7 +143,7 @@ def _least(
 
     Powers do not tell. As much as makes the `density` beside it the most even.
     """
-    tried = np.linspace(-_LEAST, _MOST, 401)[:, None] / excess.max()
+    tried = np.linspace(-_LEAST, _MOST, 401)[:, None] / max(excess.max(), 1e-300)
     # Of broad bands, beyond chance.
     beside = (
         (density * (1 + tried * excess))[:, -_BANDS * _BAND :]
