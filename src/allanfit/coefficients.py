@@ -2,7 +2,7 @@
 
 import math
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,11 @@ _HINT = "a fit's JSON, a data sheet, or lines such as `N: 0.005`"
 # The squares of larger ones leave the range of floating point.
 _LARGEST = 1e100
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
+FAILED = (
+    "The fit of {} in {} did not converge, and its numbers mean nothing: choose other channels "
+    "with --channel, or fit again."
+)
+_GOOD = "converged"
 
 
 class CoefficientsError(ValueError):
@@ -62,7 +67,8 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
         effects:
         - {name: gauss_markov, sigma: 0.002, correlation_time: 30}
 
-    **Raises:** `CoefficientsError` if the file is missing, no such mapping, or lacks a channel;
+    **Raises:** `CoefficientsError` if the file is missing, no such mapping, lacks a channel, or
+    holds a fit that did not converge;
     `DatasheetError` if something in a data sheet is not understood.
     """
     path = Path(path)
@@ -72,6 +78,9 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
         if not isinstance(entries, list) or not entries:
             raise CoefficientsError(_INCOMPLETE.format(path.name))
         found = [_from_fit(entry, path) for entry in entries]
+        failed = [name for name in failed_fits(entries) if not channels or name in channels]
+        if failed:
+            raise CoefficientsError(FAILED.format(failed[0], path.name))
     elif is_datasheet(document):
         found = _from_datasheet(datasheet_from(document, path.name))
     else:
@@ -83,6 +92,11 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
             f"{path.name} has no channel {missing[0]!r}; it has {', '.join(names)}."
         )
     return [entry for entry in found if not channels or entry.channel in channels]
+
+
+def failed_fits(entries: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Channels of a fit's JSON of which the fit did not converge."""
+    return [str(each["channel"]) for each in entries if each.get("status", _GOOD) != _GOOD]
 
 
 def coefficients_of(entry: Mapping[str, Any]) -> Mapping[str, Any]:

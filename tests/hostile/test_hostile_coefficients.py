@@ -1,10 +1,13 @@
 """Bad coefficients on the command line, in every command that reads them."""
 
+import json
 import os
 import re
 
 import pytest
 from bad_coefficients import BAD
+
+from allanfit.coefficients import read_coefficients
 
 SIMULATE = ("--duration", "1", "--rate", "100", "--output", "out.npz")
 PLAN = ("--rate", "100", "--want", "N=1%")
@@ -27,6 +30,36 @@ def test_export_refuses(case, tmp_path, refused):
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     line = refused("export", str(path), "--format", "kalman", "--output", "out.json")
     assert re.search("is empty|is not a fit|not a complete fit JSON", line), line
+
+
+@pytest.fixture
+def half_failed(tmp_path):
+    """A fit's JSON of two channels, of which one is good."""
+    term = {"name": "N", "unit": "", "value": 1.0, "resolved": True, "intervals": {}}
+    entry = {"unit": "deg/s", "rate_hz": 100.0, "samples": 9000}
+    entry["coefficients"] = dict.fromkeys("QNBKR", term)
+    statuses = {"good": "converged", "bad": "the fit did not converge"}
+    channels = [{"channel": name, "status": status, **entry} for name, status in statuses.items()]
+    path = tmp_path / "fit.json"
+    path.write_text(
+        json.dumps({"schema": "allanfit.fit/1", "recording": "a", "channels": channels})
+    )
+    return path
+
+
+def test_a_fit_that_did_not_converge(half_failed, refused):
+    for command in (
+        ("simulate", str(half_failed), *SIMULATE),
+        ("plan", str(half_failed), *PLAN),
+        ("export", str(half_failed), "--format", "ros", "--output", "out.yaml"),
+    ):
+        assert "The fit of bad in fit.json did not converge" in refused(*command)
+        assert "The fit of bad" in refused(*command, "--channel", "bad")
+
+
+def test_a_fit_that_converged_beside_one_that_did_not(half_failed):
+    (kept,) = read_coefficients(half_failed, ["good"])
+    assert kept.channel == "good"
 
 
 @pytest.mark.parametrize("kind", ["folder", "missing", "ring", "pipe", "device"])
