@@ -234,6 +234,13 @@ def test_a_unit_that_is_no_time():
         clock(EVEN, unit="m")
 
 
+def test_a_letter_in_a_message_is_no_time():
+    assert is_time("T")
+    assert is_time("imu.ts")
+    assert not is_time("imu.T")
+    assert not is_time("imu.t")
+
+
 @pytest.mark.parametrize(
     ("name", "unit", "seconds"),
     [

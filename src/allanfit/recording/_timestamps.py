@@ -93,8 +93,9 @@ def _has_name_of_time(name: str) -> bool:
 
 
 def _last(name: str) -> str:
-    """The name of a field within its message or structure."""
-    return re.split("[./]", name)[-1]
+    """The name of a field within its message or structure; a `T` there is a temperature."""
+    field = re.split("[./]", name)[-1]
+    return field if len(field) > 1 else name
 
 
 def _plain_unit(unit: str) -> str:
