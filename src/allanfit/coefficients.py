@@ -18,10 +18,6 @@ _HINT = "a fit's JSON, a data sheet, or lines such as `N: 0.005`"
 # The squares of larger ones leave the range of floating point.
 _LARGEST = 1e100
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
-FAILED = (
-    "The fit of {} in {} did not converge, and its numbers mean nothing: choose other channels "
-    "with --channel, or fit again."
-)
 _GOOD = "converged"
 
 
@@ -78,9 +74,8 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
         if not isinstance(entries, list) or not entries:
             raise CoefficientsError(_INCOMPLETE.format(path.name))
         found = [_from_fit(entry, path) for entry in entries]
-        failed = [name for name in failed_fits(entries) if not channels or name in channels]
-        if failed:
-            raise CoefficientsError(FAILED.format(failed[0], path.name))
+        if why := why_failed(entries, channels, path.name):
+            raise CoefficientsError(why)
     elif is_datasheet(document):
         found = _from_datasheet(datasheet_from(document, path.name))
     else:
@@ -94,9 +89,15 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
     return [entry for entry in found if not channels or entry.channel in channels]
 
 
-def failed_fits(entries: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Channels of a fit's JSON of which the fit did not converge."""
-    return [str(each["channel"]) for each in entries if each.get("status", _GOOD) != _GOOD]
+def why_failed(entries: Sequence[Mapping[str, Any]], channels: list[str] | None, file: str) -> str:
+    """Why a fit's JSON, or the channels named, cannot be used: "" where all fits converged."""
+    for each in entries:
+        if each.get("status", _GOOD) != _GOOD and (not channels or each["channel"] in channels):
+            return (
+                f"The fit of {each['channel']} in {file} did not converge, and its numbers mean "
+                "nothing: choose other channels with --channel, or fit again."
+            )
+    return ""
 
 
 def coefficients_of(entry: Mapping[str, Any]) -> Mapping[str, Any]:

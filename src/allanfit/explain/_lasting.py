@@ -9,7 +9,7 @@ from ._held_out_values import Gain, of_loud_times
 from ._intervals import runs
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._lines import scan
-from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation
+from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation, of_samples
 from ._ordinates import bin_edges, binned, ordinates
 from ._refit import rebin, refit
 from ._spikes import height_of, name_clear_spikes, name_spikes, take_out_spikes, tall_spikes
@@ -130,12 +130,12 @@ def _evened(
     loud = changing.loud
     if changing.strength is not None:
         even = white / changing.strength
-        return even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
-    even = np.where(loud, white / white[loud].std(), white / white[~loud].std())
-    # Where they begin and end is known to a window: what is strong there is no spike.
-    for edge in np.flatnonzero(np.diff(loud)) + 1:
-        near = even[max(edge - changing.window, 0) : edge + changing.window]
-        near /= max(1.0, 1.4826 * float(np.median(np.abs(near))))
+    else:
+        even = np.where(loud, white / white[loud].std(), white / white[~loud].std())
+        # Where they begin and end is known to a window: what is strong there is no spike.
+        for edge in np.flatnonzero(np.diff(loud)) + 1:
+            near = even[max(edge - changing.window, 0) : edge + changing.window]
+            near /= max(1.0, 1.4826 * float(np.median(np.abs(near))))
     return even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
 
 
@@ -202,10 +202,8 @@ def _modulation_of_n(
     # The less likely one says when it is loud, unless it cannot.
     if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -slow.p_value):
         return found._replace(p_value=p_value), white
-    of = np.minimum(np.arange(white.size) // size, slow.loud.size - 1)
-    loud, strength = slow.loud[of], None if slow.strength is None else slow.strength[of]
-    window = slow.window * size
-    return slow._replace(loud=loud, window=window, p_value=p_value, strength=strength), sums
+    of = of_samples(np.arange(sums.size), size, white.size)
+    return slow.of(of)._replace(window=slow.window * size, p_value=p_value), sums
 
 
 def _samples_of_n(state: Investigation) -> int:

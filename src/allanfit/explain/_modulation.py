@@ -52,8 +52,8 @@ class Modulation(NamedTuple):
     strength: Float[np.ndarray, " samples"] | None = None
     extremes: Float[np.ndarray, " draws"] | None = None
 
-    def of(self, kept: Bool[np.ndarray, " samples"]) -> "Modulation":
-        """The same of some of the samples."""
+    def of(self, kept: Shaped[np.ndarray, " _"]) -> "Modulation":
+        """The same of some of the samples, by flags or by their places."""
         strength = None if self.strength is None else self.strength[kept]
         return self._replace(loud=self.loud[kept], strength=strength)
 
@@ -124,10 +124,10 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     weight = float(2 * np.mean(power) ** 2 * window / variance)
     labels = _levels(power, weight)
     path = labels > 0
-    samples = _of_samples(path, window, white.size)
+    samples = of_samples(path, window, white.size)
     quiet = loud = float(power.mean())
     if path.any():
-        quiet, loud = _unclipped(white, samples, window)
+        quiet, loud = _variances(white, samples.astype(int), window)
     rng = np.random.default_rng(seed)
     freedom = np.maximum([np.sum(~path) * weight, np.sum(path) * weight], 2)
     spread = np.sqrt(2 / freedom)
@@ -137,24 +137,24 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     return _with_strength(found, white, labels, weight, seed) if p_value < _UNEVEN else found
 
 
-def _of_samples(
+def of_samples(
     windows: Shaped[np.ndarray, " windows"], window: int, samples: int
 ) -> Shaped[np.ndarray, " samples"]:
     """What is true of windows, of their samples; of those beyond the last, what is of it."""
     return windows[np.minimum(np.arange(samples) // window, windows.size - 1)]
 
 
-def _unclipped(
-    white: Float[np.ndarray, " samples"], loud: Bool[np.ndarray, " samples"], window: int
-) -> tuple[float, float]:
-    """The variances of quiet and loud samples, pulled in where these themselves are far.
+def _variances(
+    white: Samples, of: Int[np.ndarray, " samples"], window: int
+) -> Float[np.ndarray, " levels"]:
+    """Of the samples of each level, pulled in where these themselves are far.
 
     Loud noise has many beyond what is far for all. Beside a change a window has samples of both.
     """
     inside = np.ones(white.size, bool)
-    for edge in np.flatnonzero(np.diff(loud)) + 1:
+    for edge in np.flatnonzero(np.diff(of)) + 1:
         inside[max(edge - window, 0) : edge + window] = False
-    return _variance(white, ~loud, inside), _variance(white, loud, inside)
+    return np.array([_variance(white, of == each, inside) for each in range(int(of.max()) + 1)])
 
 
 def _variance(white: Samples, of: Flags, inside: Flags) -> float:
@@ -194,11 +194,8 @@ def _with_levels(
     count = int(labels.max()) + 1
     if count < 3:
         return found
-    of = _of_samples(labels, found.window, white.size)
-    inside = np.ones(white.size, bool)
-    for edge in np.flatnonzero(np.diff(of)) + 1:
-        inside[max(edge - found.window, 0) : edge + found.window] = False
-    levels = np.array([_variance(white, of == each, inside) for each in range(count)])
+    of = of_samples(labels, found.window, white.size)
+    levels = _variances(white, of, found.window)
     windows = np.array([np.sum(labels == each) for each in (np.argmin(levels), np.argmax(levels))])
     ratio = np.log(levels.max() / levels.min()) / 2
     spread = np.sqrt(2 / (windows * weight))

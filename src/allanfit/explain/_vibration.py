@@ -168,12 +168,13 @@ def take_out(
         filter_out = _filtered_while if found.times.strength is None else _filtered
         inside[:] = middle + filter_out(inside - middle, whole[start:stop], excess)
     state.values = values
-    # Where it vibrates, noise beside it is known as little as that is of all.
-    power = float(np.sum(excess**2) / np.sum(excess))
-    dilution = 1 / float(np.mean(1 / (1 + power * found.course) ** 2))
     if found.times.strength is None:
         # Of fast noise these times say no more than the others do.
         dilution = 1 / (1 - float(found.times.loud.mean()))
+    else:
+        # Where it vibrates, noise beside it is known as little as that is of all.
+        power = float(np.sum(excess**2) / np.sum(excess))
+        dilution = 1 / float(np.mean(1 / (1 + power * found.course) ** 2))
     parts = tuple(values[start:stop] for start, stop in state.pieces)
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts), dilution=dilution)
     rebin(state)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..coefficients import FAILED, coefficients_of, effects_of, failed_fits
+from ..coefficients import coefficients_of, effects_of, why_failed
 from ..physics import SYMBOLS, AbstractEffect
 from ..recording import RecordingError
 from ..recording._files import require_file
@@ -126,7 +126,7 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
     try:
         found = [_channel(entry) for entry in document["channels"]]
         recording = str(document["recording"])
-        failed = failed_fits(document["channels"])
+        failed = why_failed(document["channels"], channels, name)
     except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise ExportError(
             f"{name} is not a complete fit JSON; write it again with allanfit fit --json or "
@@ -136,9 +136,8 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
     missing = [channel for channel in channels or [] if channel not in known]
     if missing:
         raise ExportError(f"{name} has no channel {missing[0]!r}; it has {', '.join(known)}.")
-    failed = [channel for channel in failed if not channels or channel in channels]
     if failed:
-        raise ExportError(FAILED.format(failed[0], name))
+        raise ExportError(failed)
     if not found:
         raise ExportError(f"{name} has no channels; fit a recording that has some.")
     kept = [each for each in found if not channels or each.name in channels]
