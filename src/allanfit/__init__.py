@@ -26,6 +26,7 @@ from .plan import plan as plan
 from .recording import Recording as Recording
 from .recording import RecordingError as RecordingError
 from .recording import load as load
+from .recording import recording_of as recording_of
 from .simulate import simulate as simulate
 from .temperature import TemperatureEffect as TemperatureEffect
 from .temperature import temperature_sensitivity as temperature_sensitivity

@@ -5,7 +5,7 @@ import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from .coefficient_units import UNITS
 from .datasheet import Datasheet, datasheet_from, is_datasheet
@@ -17,8 +17,9 @@ from .recording._units import parse_unit
 _HINT = "a fit's JSON, a data sheet, or lines such as `N: 0.005`"
 # The squares of larger ones leave the range of floating point.
 _LARGEST = 1e100
+#: What the JSON of a fit calls its status.
+CONVERGED, NOT_CONVERGED = "converged", "the fit did not converge"
 _INCOMPLETE = "{} is not a complete fit JSON; write it again with allanfit fit --json."
-_GOOD = "converged"
 
 
 class CoefficientsError(ValueError):
@@ -73,9 +74,10 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
         entries = document["channels"]
         if not isinstance(entries, list) or not entries:
             raise CoefficientsError(_INCOMPLETE.format(path.name))
-        found = [_from_fit(entry, path) for entry in entries]
+        # What did not converge holds no numbers to be read.
         if why := why_failed(entries, channels, path.name):
             raise CoefficientsError(why)
+        found = [_from_fit(entry, path) for entry in entries if converged(entry)]
     elif is_datasheet(document):
         found = _from_datasheet(datasheet_from(document, path.name))
     else:
@@ -89,15 +91,21 @@ def read_coefficients(path: str | Path, channels: list[str] | None = None) -> li
     return [entry for entry in found if not channels or entry.channel in channels]
 
 
-def why_failed(entries: Sequence[Mapping[str, Any]], channels: list[str] | None, file: str) -> str:
+def why_failed(entries: Sequence[Any], channels: list[str] | None, file: str) -> str:
     """Why a fit's JSON, or the channels named, cannot be used: "" where all fits converged."""
     for each in entries:
-        if each.get("status", _GOOD) != _GOOD and (not channels or each["channel"] in channels):
+        name = each.get("channel") if isinstance(each, Mapping) else None
+        if not converged(each) and (not channels or name in channels):
             return (
-                f"The fit of {each['channel']} in {file} did not converge, and its numbers mean "
+                f"The fit of {name} in {file} did not converge, and its numbers mean "
                 "nothing: choose other channels with --channel, or fit again."
             )
     return ""
+
+
+def converged(entry: Any) -> bool:
+    """Whether a channel of a fit's JSON does not say that its fit failed."""
+    return not isinstance(entry, Mapping) or entry.get("status", CONVERGED) == CONVERGED
 
 
 def coefficients_of(entry: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -200,7 +208,7 @@ def _unit(name: Any) -> str:
 
 
 def _sampling(name: Any, path: Path) -> Sampling:
-    if name not in ("point", "averaged"):
+    if name not in get_args(Sampling):
         raise CoefficientsError(f"sampling in {path.name} must be point or averaged.")
     return name
 

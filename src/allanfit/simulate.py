@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import jax
 from jaxtyping import Array, Float
 
-from .physics import AbstractEffect, Sampling, draw_recording, standard_model
+from .physics import AbstractEffect, Sampling, check_sampling, draw_recording, standard_model
 
 # More than fits the memory of any machine that this runs on.
 _MOST_SAMPLES = 1e11
@@ -40,7 +40,8 @@ def simulate(
     **Returns:** samples [u], shape (round(duration_s rate_hz),).
 
     **Raises:** `ValueError` for an unknown symbol, a coefficient that is negative or infinite, a
-    bias that is no finite number, a seed of more than 63 bits, and too short or long a record.
+    bias that is no finite number, another sampling, a seed of more than 63 bits, and too short or
+    long a record.
 
     >>> simulate({"N": 1e-3}, duration_s=10, rate_hz=100, seed=0).shape
     (1000,)
@@ -50,6 +51,7 @@ def simulate(
             f"duration and rate must be positive and make at most {_MOST_SAMPLES:g} samples; got "
             f"{duration_s:g} s at {rate_hz:g} Hz."
         )
+    check_sampling(sampling)
     samples = round(duration_s * rate_hz)
     if samples < 2:
         raise ValueError(f"{duration_s:g} s at {rate_hz:g} Hz are {samples} samples; 2 are needed.")

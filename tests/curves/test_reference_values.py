@@ -134,6 +134,19 @@ def test_a_bias_of_a_million_changes_nothing():
     np.testing.assert_allclose(biased, plain, rtol=1e-9)
 
 
+@pytest.mark.parametrize("kind", [np.int32, np.int64, np.float16, list])
+def test_whole_and_short_numbers_are_as_good_as_long_ones(kind):
+    """Codes about a large mean, which single precision and 32 bits drown or wrap."""
+    codes = np.random.default_rng(5).integers(-300, 300, 4000)
+    shifted = codes if kind is np.float16 else codes + 2**30
+    given = shifted.tolist() if kind is list else shifted.astype(kind)
+    expected = allanfit.allan_variance(codes.astype(float), 1.0, [1, 16])
+    for wide in (True, False):
+        with jax.enable_x64(wide):
+            found = allanfit.allan_variance(given, 1.0, [1, 16])
+        np.testing.assert_allclose(found, expected, rtol=1e-12 if wide else 1e-5)
+
+
 def test_float32_agrees_on_a_million_samples():
     rng = np.random.default_rng(7)
     data = rng.normal(size=1_000_000) + np.cumsum(rng.normal(size=1_000_000)) / 10
@@ -185,6 +198,10 @@ def test_one_broken_sensor_leaves_the_others():
         ((np.zeros(2), 1.0), "at least 3"),
         ((np.zeros((2, 2, 9)), 1.0), "shape"),
         ((np.zeros(100), 0.0), "positive"),
+        ((np.zeros(100), np.int64(-5)), "positive"),
+        ((np.zeros(100), np.inf), "positive"),
+        ((np.zeros(100), "100"), "positive"),
+        ((np.array(["a", "b", "c"]), 1.0), "real numbers"),
     ],
 )
 def test_bad_arguments_are_refused(arguments, message):

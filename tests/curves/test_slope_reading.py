@@ -76,7 +76,7 @@ def test_a_dead_channel_has_no_slope():
 def test_bad_input_is_refused_with_a_sentence():
     with pytest.raises(ValueError, match="at least 40 samples; got 39"):
         slope_reading(np.zeros(39), 10.0)
-    with pytest.raises(ValueError, match="rate_hz must be positive"):
+    with pytest.raises(ValueError, match="rate_hz must be a positive"):
         slope_reading(np.zeros(100), -1.0)
     with pytest.raises(ValueError, match=r"got shape \(2, 2, 50\)"):
         slope_reading(np.zeros((2, 2, 50)), 1.0)

@@ -140,3 +140,15 @@ def test_what_a_knock_hides_is_cut_out_as_well(cause, times):
         assert cut[start:stop].all()
     assert cut.sum() < 0.15 * SAMPLES
     assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.0125
+
+
+@pytest.mark.parametrize("height", [1e2, 1e9])
+def test_a_false_start_is_cut_out_however_large_it_is(height):
+    """The five terms that were fitted with it are far from those without."""
+    values = rng_of(24).standard_normal(SAMPLES)
+    values[:4] = height
+    level = height**2 * 4 / SAMPLES
+    state = investigate(values, ((0, SAMPLES),), "point", np.array([level, level, level, level]))
+    assert [finding.name for finding in state.findings] == ["disturbance"]
+    assert state.gains["disturbance"].nats > 0
+    assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.0125

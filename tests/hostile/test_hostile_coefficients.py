@@ -4,10 +4,13 @@ import json
 import os
 import re
 
+import numpy as np
 import pytest
 from bad_coefficients import BAD
 
+import allanfit
 from allanfit.coefficients import read_coefficients
+from allanfit.export import read_fit
 
 SIMULATE = ("--duration", "1", "--rate", "100", "--output", "out.npz")
 PLAN = ("--rate", "100", "--want", "N=1%")
@@ -34,12 +37,13 @@ def test_export_refuses(case, tmp_path, refused):
 
 @pytest.fixture
 def half_failed(tmp_path):
-    """A fit's JSON of two channels, of which one is good."""
-    term = {"name": "N", "unit": "", "value": 1.0, "resolved": True, "intervals": {}}
-    entry = {"unit": "deg/s", "rate_hz": 100.0, "samples": 9000}
-    entry["coefficients"] = dict.fromkeys("QNBKR", term)
-    statuses = {"good": "converged", "bad": "the fit did not converge"}
-    channels = [{"channel": name, "status": status, **entry} for name, status in statuses.items()]
+    """A fit's JSON of two channels, of which one is good and one had no finite sample."""
+    good = np.random.default_rng(1).standard_normal(512)
+    channels = [
+        allanfit.fit(values, 100.0).to_dict(name, "deg/s")["channels"][0]
+        for name, values in (("good", good), ("bad", np.full(512, np.nan)))
+    ]
+    assert [channel["status"] == "converged" for channel in channels] == [True, False]
     path = tmp_path / "fit.json"
     path.write_text(
         json.dumps({"schema": "allanfit.fit/1", "recording": "a", "channels": channels})
@@ -60,6 +64,8 @@ def test_a_fit_that_did_not_converge(half_failed, refused):
 def test_a_fit_that_converged_beside_one_that_did_not(half_failed):
     (kept,) = read_coefficients(half_failed, ["good"])
     assert kept.channel == "good"
+    (kept,) = read_fit(half_failed, ["good"]).channels
+    assert kept.name == "good"
 
 
 @pytest.mark.parametrize("kind", ["folder", "missing", "ring", "pipe", "device"])

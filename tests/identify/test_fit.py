@@ -7,7 +7,7 @@ import pytest
 
 import allanfit
 from allanfit.curves import design, unit_scale
-from allanfit.physics import SYMBOLS, standard_model
+from allanfit.physics import SYMBOLS, check_sampling, standard_model
 
 GYRO = {"N": 5e-3, "B": 2e-3, "K": 1e-3}
 
@@ -87,27 +87,6 @@ def test_rate_and_unit_scale_the_coefficients():
         np.testing.assert_allclose(
             other.least_squares[symbol], 1000 * 0.25**power * one.least_squares[symbol], rtol=1e-5
         )
-
-
-def test_batch_equals_loop_and_one_broken_sensor_leaves_the_others():
-    batch = records(GYRO, 3, 8192, 50.0)
-    together = allanfit.fit_many(batch, 50.0)
-    assert together.intervals["N"].shape == (3, 2)
-    alone = [allanfit.fit(x, 50.0) for x in batch]
-    for symbol in "QNBKR":
-        np.testing.assert_allclose(
-            together.least_squares[symbol],
-            [fit.least_squares[symbol] for fit in alone],
-            rtol=1e-6,
-            atol=1e-12,
-        )
-    broken = allanfit.fit_many(batch.at[1, 100].set(jnp.nan), 50.0)
-    assert broken.converged.tolist() == [True, False, True]
-    assert all(jnp.isnan(broken.coefficients[symbol][1]) for symbol in "QNBKR")
-    for i in (0, 2):
-        for symbol in "QNBKR":
-            assert broken.coefficients[symbol][i] == together.coefficients[symbol][i]
-            assert bool(jnp.all(broken.intervals[symbol][i] == together.intervals[symbol][i]))
 
 
 def test_gradient_with_respect_to_the_samples_is_the_finite_difference():
@@ -190,6 +169,17 @@ def test_large_mean_survives_without_x64():
 def test_bad_arrays_are_refused(data, rate_hz, message):
     with pytest.raises(ValueError, match=message):
         allanfit.fit(data, rate_hz)
+
+
+def test_words_and_numbers_that_mean_nothing_are_refused():
+    with pytest.raises(ValueError, match="sampling must be 'point' or 'averaged'; got 'Point'"):
+        check_sampling("Point")
+    found = allanfit.fit(np.random.default_rng(1).standard_normal(512), 100.0)
+    for probability in (95.0, 0.0, -1.0):
+        with pytest.raises(ValueError, match="between 0 and 1"):
+            found.interval(probability)
+    with pytest.raises(ValueError, match="did not converge"):
+        allanfit.sample(allanfit.fit(np.full(512, np.nan), 100.0))
 
 
 def test_a_batch_has_no_document():

@@ -167,6 +167,14 @@ def test_an_effect_from_its_name():
         ("saturation", {"limit": float("nan")}, "limit of saturation must be a number; got nan"),
         ("sinusoid", {"amplitude": [1, 2], "frequency": 1}, "amplitude of sinusoid must be a num"),
         ("disturbance", {"intervals": [1, 2]}, "intervals of disturbance must be pairs of start"),
+        ("disturbance", {"intervals": [[8, 2]]}, "from 8 to 2 s, which ends before it starts"),
+        ("step", {"amplitude": [1, 2, 3], "times": [4, 5]}, "has 3 amplitudes and 2 times"),
+        ("saturation", {"limit": 1, "low": 2, "high": 1}, "low at 2, not below its high at 1"),
+        (
+            "variance_modulation",
+            {"ratio": 2, "intervals": [[1, 2]], "times": [1, 2]},
+            "has 2 times and 0 strengths",
+        ),
     ],
 )
 def test_what_is_no_effect(name, parameters, message):

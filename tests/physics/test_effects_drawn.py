@@ -310,10 +310,8 @@ def test_warm_up_and_steps():
     np.testing.assert_allclose(same, 3.0 * (TIME >= 5) + 3.0 * (TIME >= 2))
 
 
-def test_disturbances_mark_and_change_nothing():
+def test_disturbances_change_nothing():
     disturbance = Disturbance(jnp.array([[7.0, 8.0], [1.0, 2.0], [1.5, 3.0]]))
-    marked = ((TIME >= 1) & (TIME < 3)) | ((TIME >= 7) & (TIME < 8))
-    np.testing.assert_array_equal(disturbance.marks(jnp.asarray(TIME)), marked)
     np.testing.assert_array_equal(disturbance.apply(KEY, ZEROS, DT, "point"), ZEROS)
 
 

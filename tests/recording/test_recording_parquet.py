@@ -44,6 +44,12 @@ def test_units_and_rate_in_metadata(tmp_path, noise):
     recording = load(tmp_path / "a.parquet")
     assert recording.rate_hz == 200.0
     assert [channel.unit for channel in recording.channels] == ["deg/s", "mdps"]
+    for text, rate in (("100 Hz", 100.0), ("fast", 50.0)):
+        again = table.replace_schema_metadata({"rate_hz": text})
+        parquet.write_table(again, tmp_path / "b.parquet")
+        found = load(tmp_path / "b.parquet", rate_hz=None if text == "100 Hz" else 50.0)
+        assert found.rate_hz == rate
+        assert any("'fast'" in each for each in found.findings) == (text == "fast")
 
 
 def test_dates_are_time_stamps_and_nulls_are_missing(tmp_path, noise):

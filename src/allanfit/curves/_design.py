@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling
+from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling, check_sampling
 from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
 from ._spectrum import RampProjection, ramp_coefficients
@@ -69,7 +69,11 @@ def unit_scale(dt: float | Float[Array, ""]) -> Float[Array, " terms"]:
 
 @lru_cache(maxsize=32)
 def design(lengths: tuple[int, ...], sampling: Sampling = "point") -> Design:
-    """The design of a record with stretches of these lengths, each of at least 16 samples."""
+    """The design of a record with stretches of these lengths, each of at least 16 samples.
+
+    **Raises:** `ValueError` for another sampling.
+    """
+    check_sampling(sampling)
     # From order 2: the first coefficient goes with the ramp.
     spacing = 1 / (2 * max(lengths))
     edges = logarithmic_edges(2 * spacing, spacing, BINS_PER_DECADE)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from ..physics import Sampling
+from ..physics import Sampling, check_sampling
 from ..recording._timestamps import SHORTEST_STRETCH
 from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
@@ -106,7 +106,10 @@ class LongStatistics:
         """The statistics of all stretches that have ended, and their design.
 
         The design has no `projection` and no `bin_index`, which belong to samples in memory.
+
+        **Raises:** `ValueError` for another sampling.
         """
+        check_sampling(sampling)
         layout, bins = _design(self.lengths, sampling)
         sums = np.bincount(bins, self._spectrum.sums(), minlength=len(layout.ordinates))
         allan = self._allan.value()[: len(layout.cluster_sizes)]

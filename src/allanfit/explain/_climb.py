@@ -157,8 +157,10 @@ def noise_density(
 def deviances(mean: Float[np.ndarray, "starts bins"], data: Data) -> Float[np.ndarray, " starts"]:
     """Twice the log-likelihood that each mean density leaves to a perfect fit."""
     with np.errstate(all="ignore"):
-        excess = np.asarray(data.bins.density) / mean - 1
-        value = np.sum(2 * np.asarray(data.bins.shape) * (excess - np.log1p(excess)), axis=1)
+        ratio = np.asarray(data.bins.density) / mean
+        # Beyond the last digit of one the ratio itself is more exact.
+        log = np.where(ratio > 0.5, np.log1p(ratio - 1), np.log(ratio))
+        value = np.sum(2 * np.asarray(data.bins.shape) * (ratio - 1 - log), axis=1)
     return np.where(np.isfinite(value), value, np.inf)
 
 

@@ -44,17 +44,25 @@ def explain_recording(
 
     **Arguments:**
 
-    - `recording`: from `allanfit.load`.
+    - `recording`: from `allanfit.load`, or of arrays by `allanfit.recording_of`.
     - `simulation`: a recording made by the user's simulator, or a file of one or of coefficients;
       mismatches are then those between recording and simulation.
     - `sampling`, `seed`: as in `allanfit.fit`.
     - `posterior`: without it the chains are a quarter as long, and intervals rough.
     - `announce`, `done`: called with each channel's name before its turn, and after it.
 
-    **Raises:** `ValueError` for a simulation that cannot be compared; `RecordingError` where gaps
-    leave no stretch of 64 samples.
+    **Raises:** `TypeError` for what is no recording; `ValueError` for a simulation that cannot be
+    compared; `RecordingError` where gaps leave a channel no stretch of 64 samples.
     """
+    if not isinstance(recording, Recording):
+        raise TypeError(
+            "explain takes a recording: read one with allanfit.load, or make one of arrays with "
+            "allanfit.recording_of."
+        )
     compared_with = references(simulation, recording, sampling)
+    drawn = [each.simulated[0] for each in compared_with.values() if each.simulated]
+    for channel in (*recording.channels, *drawn):
+        _check_stretches(channel)
     alarm = ALARM / len(recording.channels)
     found: list[ChannelExplanation] = []
     simulated: dict[int, ChannelExplanation] = {}
@@ -81,6 +89,15 @@ def explain_recording(
 explain = explain_recording
 
 
+def _check_stretches(channel: Channel) -> None:
+    longest = max(stop - start for start, stop in channel.stretches)
+    if longest < _SHORTEST:
+        raise RecordingError(
+            f"channel {channel.name!r} has no stretch of more than {longest} samples between gaps: "
+            f"explain needs one of {_SHORTEST}; record without gaps, or use fit"
+        )
+
+
 def _explain_channel(
     channel: Channel,
     recording: Recording,
@@ -96,12 +113,6 @@ def _explain_channel(
         seed=seed,
         stretches=channel.stretches,
     )
-    longest = max(stop - start for start, stop in channel.stretches)
-    if longest < _SHORTEST:
-        raise RecordingError(
-            f"channel {channel.name!r} has no stretch of more than {longest} samples between gaps: "
-            f"explain needs one of {_SHORTEST}; record without gaps, or use fit"
-        )
     dt = 1 / recording.rate_hz
     values = np.array(list(map(float, fit.coefficients.values()))) / np.asarray(unit_scale(dt))
     drivers = {}

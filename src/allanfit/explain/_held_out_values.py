@@ -103,8 +103,15 @@ def _two_levels(known, loud_known, scored, loud_scored) -> Float[np.ndarray, " h
     """Of the scored samples, with the deviations of the known loud and quiet ones."""
     if loud_known.all() or not loud_known.any():
         return np.zeros(scored.size)
-    scale = np.where(loud_scored, known[loud_known].std(), known[~loud_known].std())
-    return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=known.std())
+    usual = known.std()
+
+    def deviation(values):
+        # From zero, since a few that are pulled in may all be equal; and as if one more had been
+        # seen, as large as others are.
+        return np.sqrt((np.sum(values**2) + usual**2) / (values.size + 1))
+
+    scale = np.where(loud_scored, deviation(known[loud_known]), deviation(known[~loud_known]))
+    return norm.logpdf(scored, scale=scale) - norm.logpdf(scored, scale=usual)
 
 
 def of_swing(white: Float[np.ndarray, " samples"], period: float) -> Gain:

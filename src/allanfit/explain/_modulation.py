@@ -83,6 +83,8 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     that are not normal, such as rounded angles made white, have squares that are correlated with
     their neighbours. Long windows are therefore compared with how neighbouring short ones differ.
     """
+    if not white.any():
+        return 1.0, _SHORTEST_WINDOW, 1.0
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     correlation = _squared_correlation(white)
     one = float(np.var(squares)) * (1 + 2 * correlation)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..coefficients import coefficients_of, effects_of, why_failed
-from ..physics import SYMBOLS, AbstractEffect
+from ..coefficients import coefficients_of, converged, effects_of, why_failed
+from ..physics import SYMBOLS, AbstractEffect, check_sampling
 from ..recording import RecordingError
 from ..recording._files import require_file
 from ..recording._units import parse_unit
@@ -124,20 +124,21 @@ def read_fit(path: str | Path, channels: list[str] | None = None) -> FitFile:
     if not (isinstance(schema, str) and schema.startswith(_SCHEMAS)):
         raise ExportError(_no_fit(name))
     try:
-        found = [_channel(entry) for entry in document["channels"]]
-        recording = str(document["recording"])
         failed = why_failed(document["channels"], channels, name)
+        # What did not converge holds no numbers to be read.
+        found = [_channel(entry) for entry in document["channels"] if converged(entry)]
+        recording = str(document["recording"])
     except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise ExportError(
             f"{name} is not a complete fit JSON; write it again with allanfit fit --json or "
             "allanfit explain --json."
         ) from error
+    if failed:
+        raise ExportError(failed)
     known = [channel.name for channel in found]
     missing = [channel for channel in channels or [] if channel not in known]
     if missing:
         raise ExportError(f"{name} has no channel {missing[0]!r}; it has {', '.join(known)}.")
-    if failed:
-        raise ExportError(failed)
     if not found:
         raise ExportError(f"{name} has no channels; fit a recording that has some.")
     kept = [each for each in found if not channels or each.name in channels]
@@ -157,8 +158,7 @@ def _channel(entry: Mapping[str, Any]) -> FitChannel:
     rate_hz = _positive(entry["rate_hz"])
     samples = entry["samples"] if "samples" in entry else rate_hz * _positive(entry["duration_s"])
     sampling = entry.get("sampling", "point")
-    if sampling not in ("point", "averaged"):
-        raise ValueError(sampling)
+    check_sampling(sampling)
     return FitChannel(
         name=_text(entry["channel"]),
         unit=unit,

@@ -72,7 +72,14 @@ class Fit(eqx.Module):
         return self.estimate.goodness_of_fit
 
     def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
-        """Equal-tailed intervals; those of unresolved terms are extended down to zero."""
+        """Equal-tailed intervals; those of unresolved terms are extended down to zero.
+
+        **Raises:** `ValueError` for a probability that is not between 0 and 1.
+        """
+        if not 0 < probability < 1:
+            raise ValueError(
+                f"the probability of an interval is between 0 and 1, as 0.95; got {probability}"
+            )
         tail = (1 - probability) / 2
         low, high = _quantiles(self.estimate.draws, tail, 1 - tail)
         low = jnp.where(self.estimate.resolved, low, 0.0)

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..coefficients import CONVERGED, NOT_CONVERGED
 from ..curves import octaves, read_slopes
 from ..datasheet import Datasheet, Judged, Shown, datasheet_document, judge
 from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
@@ -133,7 +134,7 @@ class ChannelFit:
         channel, result = self.channel, self.fit
         return {
             **channel_header(channel, result),
-            "status": "converged" if bool(result.converged) else "the fit did not converge",
+            "status": CONVERGED if bool(result.converged) else NOT_CONVERGED,
             "coefficients": coefficients_document(result, channel),
             "goodness_of_fit": {
                 "p_value": _number(result.goodness_of_fit),

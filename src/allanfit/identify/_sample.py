@@ -102,12 +102,17 @@ def sample(
     - `most_rounds`: at least 1.
     - `progress`: show a progress bar.
 
-    **Raises:** `ValueError` for less than one round, or a fit of several sensors.
+    **Raises:** `ValueError` for less than one round, a fit of several sensors, or one that did not
+    converge.
     """
     if most_rounds < 1:
         raise ValueError(f"most_rounds must be at least 1; got {most_rounds}")
     if fit.estimate.statistics.density.ndim > 1:
         raise ValueError("sample takes the fit of one sensor: fit one series of the batch alone")
+    if not bool(fit.converged):
+        raise ValueError(
+            "this fit did not converge, and has no posterior: look for NaN in its data"
+        )
     design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
     data = target(fit.estimate.statistics, design)
     solution = solve(data)

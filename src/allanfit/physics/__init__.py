@@ -12,11 +12,14 @@ from ._catalogue import field_of as field_of
 from ._disturbance import Disturbance as Disturbance
 from ._drifting_line import DriftingLine as DriftingLine
 from ._dropped_samples import DroppedSamples as DroppedSamples
+from ._effect import SIGNED as SIGNED
+from ._effect import ZERO_OR_MORE as ZERO_OR_MORE
 from ._effect import AbstractAddedNoise as AbstractAddedNoise
 from ._effect import AbstractEffect as AbstractEffect
 from ._effect import AbstractFilter as AbstractFilter
 from ._effect import AbstractMean as AbstractMean
 from ._effect import Parameter as Parameter
+from ._effect import Range as Range
 from ._effect_units import parameter_unit as parameter_unit
 from ._effect_units import parameter_values as parameter_values
 from ._effect_units import scaled as scaled
@@ -46,6 +49,7 @@ from ._temperature import Temperature as Temperature
 from ._term import AbstractNoiseTerm as AbstractNoiseTerm
 from ._term import Names as Names
 from ._term import Sampling as Sampling
+from ._term import check_sampling as check_sampling
 from ._term import coefficient_unit as coefficient_unit
 from ._variance_modulation import VarianceModulation as VarianceModulation
 from ._vibration_rectification import VibrationRectification as VibrationRectification

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractFilter, Parameter
+from ._effect import SIGNED, AbstractFilter, Parameter
 from ._filtering import filtered
 from ._term import Sampling
 
@@ -33,11 +33,11 @@ class Bump(AbstractFilter):
     flat: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "bump"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("height", ""),
+        Parameter("height", "", range=SIGNED),
         Parameter("frequency", "Hz"),
         Parameter("width", ""),
-        Parameter("high_pass", ""),
-        Parameter("flat", ""),
+        Parameter("high_pass", "", kind="flag"),
+        Parameter("flat", "", kind="flag"),
     )
     what: ClassVar[str] = "a bump or dip of the noise about one frequency"
     origin: ClassVar[str] = "nothing that the catalogue has a name for"

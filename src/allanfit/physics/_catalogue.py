@@ -1,7 +1,6 @@
 """All effects beyond the five terms, by the name that explain's JSON gives them."""
 
 import dataclasses
-import math
 import reprlib
 from collections.abc import Mapping
 from typing import Any
@@ -56,41 +55,20 @@ EFFECTS: dict[str, type[AbstractEffect]] = {
         Bump,
     )
 }
-# Parameters that are arrays, by their number of axes.
-_AXES = {"times": 1, "heights": 1, "strengths": 1, "intervals": 2}
-# What is so or not, as 1 or 0.
-_FLAGS = {"regular", "digital", "averaged", "running_mean", "windowed", "high_pass", "flat"}
-_SIGNED = {"amplitude", "height", "sensitivity", "quadratic", "coefficient", "low", "high"}
-# Of the others, those that have bounds other than zero.
-_RANGES = {
-    "sigma": (0.0, math.inf),
-    "density": (0.0, math.inf),
-    "limit": (0.0, math.inf),
-    "fraction": (0.0, 0.99),
-    "upper_share": (0.01, 0.99),
-    "repeat": (1.0, math.inf),
-    "order": (math.nextafter(0.5, 1), math.inf),
-    "exponent": (0.0, 3.0),
-    "droop": (-math.inf, 1.0),
-}
-_RANGE_WORDS = {
-    "sigma": "zero or more",
-    "density": "zero or more",
-    "limit": "zero or more",
-    "fraction": "between 0 and 0.99",
-    "upper_share": "between 0.01 and 0.99",
-    "repeat": "1 or more",
-    "order": "above 0.5",
-    "exponent": "between 0 and 3",
-    "droop": "1 or less",
+_AXES = {"number": {0}, "series": {0, 1}, "each": {0, 1}, "intervals": {2}}
+_WORDS = {
+    "number": "a number",
+    "series": "numbers, one a time",
+    "each": "a number, or one a time",
+    "intervals": "pairs of start and end",
 }
 
 
 def effect_from(name: str, parameters: Mapping[str, Any]) -> AbstractEffect:
     """The effect of a name with its parameters, numbers or lists in the units of the class.
 
-    **Raises:** `ValueError` for a name or a parameter that is not known, one that is missing, and
-    a value of the wrong shape or out of range.
+    **Raises:** `ValueError` for a name or a parameter that is not known, one that is missing, a
+    value of the wrong shape or out of range, and values that contradict each other.
 
     >>> effect_from("warm_up", {"amplitude": 0.1, "time_constant": 600}).name
     'warm_up'
@@ -114,7 +92,10 @@ def effect_from(name: str, parameters: Mapping[str, Any]) -> AbstractEffect:
             values[field.name] = _array(name, parameter, parameters[parameter.name])
         elif parameter is not None and field.default is dataclasses.MISSING:
             raise ValueError(f"{name} lacks its parameter {parameter.name!r}")
-    return effect(**values)
+    made = effect(**values)
+    if why := made.contradiction():
+        raise ValueError(f"{name} {why}")
+    return made
 
 
 def field_of(parameter: Parameter) -> str:
@@ -123,27 +104,20 @@ def field_of(parameter: Parameter) -> str:
 
 
 def _array(name: str, parameter: Parameter, value: Any):
-    axes = _AXES.get(parameter.name, 0)
-    if parameter.name in _FLAGS:
+    what = f"{parameter.name} of {name} must be"
+    if parameter.kind == "flag":
         if value not in (0, 1):
-            raise ValueError(f"{parameter.name} of {name} must be 0 or 1; got {value!r}")
+            raise ValueError(f"{what} 0 or 1; got {value!r}")
         return bool(value)
     try:
         # YAML takes 5e-3, without a point, for text, which NumPy reads.
         array = jnp.asarray(np.asarray(value, float))
     except (TypeError, ValueError):
         array = jnp.asarray(jnp.nan)
-    if axes == 1:
-        array = jnp.atleast_1d(array)
-    # Steps may have one amplitude each.
-    shapes = {axes, 1} if (name, parameter.name) == ("step", "amplitude") else {axes}
-    pairs = axes < 2 or (array.ndim == 2 and array.shape[1] == 2)
-    if not (array.ndim in shapes and pairs and bool(jnp.all(jnp.isfinite(array)))):
-        kind = ("a number", "numbers, one a time", "pairs of start and end")[axes]
-        raise ValueError(f"{parameter.name} of {name} must be {kind}; got {value!r}")
-    if axes == 0 and parameter.name not in _SIGNED:
-        low, high = _RANGES.get(parameter.name, (math.ulp(0.0), math.inf))
-        if not low <= float(array) <= high:
-            allowed = _RANGE_WORDS.get(parameter.name, "above zero")
-            raise ValueError(f"{parameter.name} of {name} must be {allowed}; got {value!r}")
-    return array
+    pairs = parameter.kind != "intervals" or array.shape[1:] == (2,)
+    if not (array.ndim in _AXES[parameter.kind] and pairs and bool(jnp.all(jnp.isfinite(array)))):
+        raise ValueError(f"{what} {_WORDS[parameter.kind]}; got {value!r}")
+    low, high, words = parameter.range
+    if parameter.kind == "number" and not low <= float(array) <= high:
+        raise ValueError(f"{what} {words}; got {value!r}")
+    return jnp.atleast_1d(array) if parameter.kind == "series" else array

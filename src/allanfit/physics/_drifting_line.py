@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractAddedNoise, Parameter
+from ._effect import SIGNED, AbstractAddedNoise, Parameter
 from ._term import Sampling
 
 # Correlation time of the wandering times the width: slow enough for the line to be as wide as
@@ -27,7 +27,7 @@ class DriftingLine(AbstractAddedNoise):
     width: Float[Array, ""]
     name: ClassVar[str] = "drifting_line"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("amplitude", "u"),
+        Parameter("amplitude", "u", range=SIGNED),
         Parameter("frequency", "Hz"),
         Parameter("width", "Hz"),
     )

@@ -5,7 +5,8 @@ to the spectrum if it has one, and two sentences for people. `_catalogue.py` lis
 """
 
 import abc
-from typing import NamedTuple
+import math
+from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -14,8 +15,22 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from ._term import Sampling
 
 
+class Range(NamedTuple):
+    """The values that a parameter may have, ends included."""
+
+    low: float
+    high: float
+    #: After "must be".
+    words: str
+
+
+ABOVE_ZERO = Range(math.ulp(0.0), math.inf, "above zero")
+ZERO_OR_MORE = Range(0.0, math.inf, "zero or more")
+SIGNED = Range(-math.inf, math.inf, "a number")
+
+
 class Parameter(NamedTuple):
-    """One number that describes an effect."""
+    """What describes an effect: a number, what is so or not, a series, or intervals."""
 
     #: As in explain's JSON.
     name: str
@@ -24,6 +39,10 @@ class Parameter(NamedTuple):
     unit: str
     #: The field of the class that holds it, where a method has its name.
     field: str = ""
+    #: Of a number alone.
+    range: Range = ABOVE_ZERO
+    #: "flag" is 1 or 0, and "each" a number or one a time.
+    kind: Literal["number", "flag", "series", "each", "intervals"] = "number"
 
 
 class AbstractEffect(eqx.Module):
@@ -41,6 +60,10 @@ class AbstractEffect(eqx.Module):
     what: eqx.AbstractClassVar[str]
     #: Where it comes from as a rule, one clause.
     origin: eqx.AbstractClassVar[str]
+
+    def contradiction(self) -> str:
+        """Why its parameters do not go together, as the end of a sentence; "" if they do."""
+        return ""
 
     @abc.abstractmethod
     def apply(

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractAddedNoise, Parameter
+from ._effect import ZERO_OR_MORE, AbstractAddedNoise, Parameter
 from ._term import Sampling
 
 
@@ -21,7 +21,7 @@ class GaussMarkov(AbstractAddedNoise):
     correlation_time: Float[Array, ""]
     name: ClassVar[str] = "gauss_markov"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("sigma", "u"),
+        Parameter("sigma", "u", range=ZERO_OR_MORE),
         Parameter("correlation_time", "s"),
     )
     scale: ClassVar[tuple[str, int]] = ("sigma", 2)

@@ -11,3 +11,11 @@ def inside(
     started = jnp.searchsorted(jnp.sort(intervals[:, 0]), time, side="right")
     ended = jnp.searchsorted(jnp.sort(intervals[:, 1]), time, side="right")
     return started > ended
+
+
+def backwards(intervals: Float[Array, "intervals 2"]) -> str:
+    """What is wrong where an interval ends before it starts, "" where none does."""
+    for start, stop in intervals.tolist():
+        if not start <= stop:
+            return f"has an interval from {start:g} to {stop:g} s, which ends before it starts"
+    return ""

@@ -1,5 +1,6 @@
 """A low-pass filter between the sensor and its samples."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
@@ -9,7 +10,7 @@ import numpy as np
 from jax.scipy.special import log_ndtr
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractFilter, Parameter
+from ._effect import AbstractFilter, Parameter, Range
 from ._filtering import filtered
 from ._term import Sampling
 
@@ -74,12 +75,12 @@ class LowPass(AbstractFilter):
     name: ClassVar[str] = "low_pass"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("cutoff_frequency", "Hz"),
-        Parameter("order", ""),
-        Parameter("droop", ""),
-        Parameter("digital", ""),
-        Parameter("averaged", ""),
-        Parameter("running_mean", ""),
-        Parameter("windowed", ""),
+        Parameter("order", "", range=Range(math.nextafter(0.5, 1), math.inf, "above 0.5")),
+        Parameter("droop", "", range=Range(-math.inf, 1.0, "1 or less")),
+        Parameter("digital", "", kind="flag"),
+        Parameter("averaged", "", kind="flag"),
+        Parameter("running_mean", "", kind="flag"),
+        Parameter("windowed", "", kind="flag"),
     )
     what: ClassVar[str] = "a low-pass filter"
     origin: ClassVar[str] = "the sensor's own digital or analogue filter"

@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractEffect, Parameter
+from ._effect import SIGNED, AbstractEffect, Parameter, Range
 from ._term import Sampling
 
 
@@ -20,8 +20,8 @@ class Outliers(AbstractEffect):
     amplitude: Float[Array, ""]
     name: ClassVar[str] = "outliers"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("fraction", ""),
-        Parameter("amplitude", "u"),
+        Parameter("fraction", "", range=Range(0.0, 0.99, "between 0 and 0.99")),
+        Parameter("amplitude", "u", range=SIGNED),
     )
     what: ClassVar[str] = "outliers"
     origin: ClassVar[str] = "bits lost in transmission, or electric pulses"

@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractAddedNoise, Parameter
+from ._effect import ZERO_OR_MORE, AbstractAddedNoise, Parameter, Range
 from ._stationary import sample_from_eigenvalues
 from ._term import Sampling
 
@@ -28,8 +28,8 @@ class PowerLaw(AbstractAddedNoise):
     level: Float[Array, ""]
     name: ClassVar[str] = "power_law"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("exponent", ""),
-        Parameter("density", "u^2/Hz", field="level"),
+        Parameter("exponent", "", range=Range(0.0, 3.0, "between 0 and 3")),
+        Parameter("density", "u^2/Hz", field="level", range=ZERO_OR_MORE),
     )
     scale: ClassVar[tuple[str, int]] = ("level", 1)
     what: ClassVar[str] = "noise whose density falls as a power of frequency"

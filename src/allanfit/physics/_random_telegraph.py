@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractAddedNoise, Parameter
+from ._effect import SIGNED, AbstractAddedNoise, Parameter, Range
 from ._gauss_markov import GaussMarkov
 from ._term import Sampling
 
@@ -29,9 +29,9 @@ class RandomTelegraph(AbstractAddedNoise):
     upper_share: Float[Array, ""] | None = None
     name: ClassVar[str] = "random_telegraph"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("amplitude", "u"),
+        Parameter("amplitude", "u", range=SIGNED),
         Parameter("dwell_time", "s"),
-        Parameter("upper_share", ""),
+        Parameter("upper_share", "", range=Range(0.01, 0.99, "between 0.01 and 0.99")),
     )
     scale: ClassVar[tuple[str, int]] = ("amplitude", 2)
     what: ClassVar[str] = "random jumps between two levels (telegraph noise)"

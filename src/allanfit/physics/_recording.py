@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from ._bump import Bump
+from ._disturbance import Disturbance
 from ._dropped_samples import DroppedSamples
 from ._effect import AbstractAddedNoise, AbstractEffect, AbstractMean
 from ._filtering import filtered
@@ -31,6 +32,7 @@ _FELT = (
     DroppedSamples,
 )
 _SENT = (Saturation, OutputRounding, SampleHold)
+_PLACED = (LowPass, VarianceModulation, Bump, Disturbance, *_FELT, *_SENT)
 # Beside those of the terms.
 _KEYS = 1000
 
@@ -59,6 +61,8 @@ def draw_recording(
     """
     length = samples
     for effect in effects:
+        if not isinstance(effect, _PLACED):
+            raise TypeError(f"{effect.name} has no place in the order of a sensor")
         if isinstance(effect, DroppedSamples):
             length = effect.enough(length)
     keys = [jax.random.fold_in(key, _KEYS + index) for index in range(len(effects))]

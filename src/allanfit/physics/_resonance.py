@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractAddedNoise, Parameter
+from ._effect import ZERO_OR_MORE, AbstractAddedNoise, Parameter
 from ._stationary import sample_from_eigenvalues
 from ._term import Sampling
 
@@ -32,7 +32,7 @@ class Resonance(AbstractAddedNoise):
     quality_factor: Float[Array, ""]
     name: ClassVar[str] = "resonance"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("sigma", "u"),
+        Parameter("sigma", "u", range=ZERO_OR_MORE),
         Parameter("frequency", "Hz"),
         Parameter("quality_factor", ""),
     )

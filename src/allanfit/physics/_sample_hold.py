@@ -1,5 +1,6 @@
 """Sample and hold: values that are sent more than once."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
@@ -7,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractFilter, Parameter
+from ._effect import AbstractFilter, Parameter, Range
 from ._term import Sampling
 
 
@@ -24,8 +25,8 @@ class SampleHold(AbstractFilter):
     regular: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "sample_hold"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("repeat", ""),
-        Parameter("regular", ""),
+        Parameter("repeat", "", range=Range(1.0, math.inf, "1 or more")),
+        Parameter("regular", "", kind="flag"),
     )
     what: ClassVar[str] = "values that are repeated"
     origin: ClassVar[str] = "a sensor that is read faster than it measures"

@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractEffect, Parameter
+from ._effect import SIGNED, ZERO_OR_MORE, AbstractEffect, Parameter
 from ._term import Sampling
 
 
@@ -20,12 +20,18 @@ class Saturation(AbstractEffect):
     high: Float[Array, ""] | None = None
     name: ClassVar[str] = "saturation"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("limit", "u"),
-        Parameter("low", "u"),
-        Parameter("high", "u"),
+        Parameter("limit", "u", range=ZERO_OR_MORE),
+        Parameter("low", "u", range=SIGNED),
+        Parameter("high", "u", range=SIGNED),
     )
     what: ClassVar[str] = "saturation"
     origin: ClassVar[str] = "a range that is too narrow"
+
+    def contradiction(self) -> str:
+        """Rails the wrong way round."""
+        if self.low is None or self.high is None or self.low < self.high:
+            return ""
+        return f"has its low at {self.low:g}, not below its high at {self.high:g}"
 
     def apply(
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractMean, Parameter
+from ._effect import SIGNED, AbstractMean, Parameter
 from ._term import Sampling
 
 # Turns that are counted together.
@@ -25,7 +25,7 @@ class Sinusoid(AbstractMean):
     phase: Float[Array, ""] | None = None
     name: ClassVar[str] = "sinusoid"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("amplitude", "u"),
+        Parameter("amplitude", "u", range=SIGNED),
         Parameter("frequency", "Hz"),
     )
     what: ClassVar[str] = "a sinusoid"

@@ -20,12 +20,19 @@ class Step(AbstractMean):
     heights: Float[Array, " times"] | None = None
     name: ClassVar[str] = "step"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("amplitude", "u"),
-        Parameter("times", "s"),
-        Parameter("heights", "u"),
+        Parameter("amplitude", "u", kind="each"),
+        Parameter("times", "s", kind="series"),
+        Parameter("heights", "u", kind="series"),
     )
     what: ClassVar[str] = "a step of the bias"
     origin: ClassVar[str] = "a part that has slipped, or a trap that has emptied"
+
+    def contradiction(self) -> str:
+        """Amplitudes or heights that are not as many as times."""
+        given = self.amplitude if self.heights is None else self.heights
+        if given.size in (1, self.times.size):
+            return ""
+        return f"has {given.size} amplitudes and {self.times.size} times; give one for each time"
 
     def mean(self, time: Float[Array, " samples"]) -> Float[Array, " samples"]:
         """Sum of the amplitudes of the steps taken by each time [u]."""

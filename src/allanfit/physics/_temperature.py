@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractEffect, Parameter
+from ._effect import SIGNED, AbstractEffect, Parameter
 from ._gauss_markov import GaussMarkov
 from ._term import Sampling
 
@@ -28,9 +28,9 @@ class Temperature(AbstractEffect):
     quadratic: Float[Array, ""] | None = None
     name: ClassVar[str] = "temperature"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("sensitivity", "u/K"),
+        Parameter("sensitivity", "u/K", range=SIGNED),
         Parameter("time_scale", "s"),
-        Parameter("quadratic", "u/K^2"),
+        Parameter("quadratic", "u/K^2", range=SIGNED),
     )
     what: ClassVar[str] = "a bias that follows the temperature"
     origin: ClassVar[str] = "the room, or the heat of the electronics"

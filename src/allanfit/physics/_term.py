@@ -18,13 +18,19 @@ right at small n and up to the Nyquist frequency.
 """
 
 import abc
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 Sampling = Literal["point", "averaged"]
+
+
+def check_sampling(sampling: str) -> None:
+    """Raise `ValueError` for a word that is none."""
+    if sampling not in get_args(Sampling):
+        raise ValueError(f"sampling must be 'point' or 'averaged'; got {sampling!r}")
 
 
 class Names(NamedTuple):
@@ -44,7 +50,7 @@ class AbstractNoiseTerm(eqx.Module):
     coefficient: eqx.AbstractVar[Float[Array, ""]]
     symbol: eqx.AbstractClassVar[str]
     names: eqx.AbstractClassVar[Names]
-    #: The coefficient's unit is u s^seconds_power, spelled for people by `unit`.
+    #: The coefficient's unit is u s^seconds_power, spelled for people by `coefficient_unit`.
     seconds_power: eqx.AbstractClassVar[float]
 
     @abc.abstractmethod

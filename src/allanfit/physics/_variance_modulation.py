@@ -7,7 +7,7 @@ from jaxtyping import Array, Float, PRNGKeyArray
 
 from ._effect import AbstractEffect, Parameter
 from ._filtering import running_mean
-from ._intervals import inside
+from ._intervals import backwards, inside
 from ._term import Sampling
 
 
@@ -29,12 +29,19 @@ class VarianceModulation(AbstractEffect):
     name: ClassVar[str] = "variance_modulation"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("ratio", ""),
-        Parameter("intervals", "s"),
-        Parameter("times", "s"),
-        Parameter("strengths", ""),
+        Parameter("intervals", "s", kind="intervals"),
+        Parameter("times", "s", kind="series"),
+        Parameter("strengths", "", kind="series"),
     )
     what: ClassVar[str] = "noise whose strength changes with time"
     origin: ClassVar[str] = "people, machines or a supply that come and go"
+
+    def contradiction(self) -> str:
+        """Intervals that end before they start, or a course of which half is missing."""
+        lengths = [0 if each is None else each.size for each in (self.times, self.strengths)]
+        if lengths[0] != lengths[1]:
+            return f"has {lengths[0]} times and {lengths[1]} strengths; give one for each time"
+        return backwards(self.intervals)
 
     def apply(
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractEffect, Parameter
+from ._effect import SIGNED, AbstractEffect, Parameter
 from ._filtering import running_mean
 from ._term import Sampling
 
@@ -18,7 +18,7 @@ class VibrationRectification(AbstractEffect):
 
     coefficient: Float[Array, ""]
     name: ClassVar[str] = "vibration_rectification"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "1/u"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "1/u", range=SIGNED),)
     what: ClassVar[str] = "a bias that shifts with vibration (vibration rectification)"
     origin: ClassVar[str] = "a scale that is not linear, or clipping within the sensor"
 

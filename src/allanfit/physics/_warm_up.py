@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._effect import AbstractMean, Parameter
+from ._effect import SIGNED, AbstractMean, Parameter
 
 
 class WarmUp(AbstractMean):
@@ -15,7 +15,7 @@ class WarmUp(AbstractMean):
     time_constant: Float[Array, ""]
     name: ClassVar[str] = "warm_up"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("amplitude", "u"),
+        Parameter("amplitude", "u", range=SIGNED),
         Parameter("time_constant", "s"),
     )
     what: ClassVar[str] = "an exponential settling (a warm-up)"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..physics import SYMBOLS, Sampling
+from ..physics import SYMBOLS, Sampling, check_sampling
 from ._errors import relative_errors
 from ._length import LONGEST_YEARS, longest_samples, shortest_samples
 from ._want import checked_want
@@ -116,8 +116,7 @@ def plan(
     >>> plan({"N": 5e-3, "B": 1e-3}, 50.0, {"B": 0.1}).set_by
     'B'
     """
-    if sampling not in ("point", "averaged"):
-        raise ValueError(f"sampling must be 'point' or 'averaged'; got {sampling!r}.")
+    check_sampling(sampling)
     if not _SLOWEST_HZ <= rate_hz <= _FASTEST_HZ:
         raise ValueError(
             f"The rate must be from {_SLOWEST_HZ:g} to {_FASTEST_HZ:g} samples per second; "

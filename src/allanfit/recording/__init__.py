@@ -9,6 +9,7 @@ from ._blocks import read_in_blocks as read_in_blocks
 from ._formats import contents as contents
 from ._formats import is_recording as is_recording
 from ._load import load as load
+from ._load import recording_of as recording_of
 from ._recording import Channel as Channel
 from ._recording import Recording as Recording
 from ._recording import RecordingError as RecordingError

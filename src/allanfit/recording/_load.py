@@ -1,14 +1,16 @@
-"""From a file to a checked recording: `load`."""
+"""From a file or arrays to a checked recording: `load` and `recording_of`."""
 
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ._arrays import table_of
 from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_useless
 from ._copies import about_copies, copies
 from ._formats import read_table
@@ -74,11 +76,57 @@ def load(
     ```
     """
     path = Path(path)
+    _check_given(rate_hz)
+    return _recording(path, read_table(path, topic, progress), rate_hz, channels, unit)
+
+
+def recording_of(
+    data: Mapping[str, ArrayLike] | ArrayLike,
+    *,
+    rate_hz: float | None = None,
+    channels: Sequence[str] | None = None,
+    unit: str | None = None,
+    units: Mapping[str, str] | None = None,
+    name: str = "recording",
+) -> Recording:
+    """A recording of arrays, checked and converted as `load` does with those of a file.
+
+    **Arguments:**
+
+    - `data`: columns by name, as in a dictionary or a data frame, each of shape (samples,), time
+        stamps and temperatures among them; or one array, (samples,) or (channels, samples).
+    - `rate_hz`, `channels`, `unit`: as in `load`.
+    - `units`: the unit of each column that is in another one, by its name.
+    - `name`: what messages and documents call it.
+
+    **Returns:** a `Recording`, for `explain`.
+
+    **Raises** `RecordingError` as `load` does, and for what is no array of real numbers.
+
+    >>> gyro = np.random.default_rng(0).standard_normal(1000)
+    >>> recording_of({"gyro_x": gyro}, rate_hz=100, unit="deg/s").channels[0].unit
+    'deg/s'
+    """
+    _check_given(rate_hz)
+    table = table_of(data, units or {})
+    return _recording(Path(name), table, rate_hz, channels, unit)
+
+
+def _check_given(rate_hz: float | None) -> None:
     if rate_hz is not None:
         check_rate(rate_hz, "the rate given")
+
+
+def _recording(
+    path: Path,
+    table: Table,
+    rate_hz: float | None,
+    channels: Sequence[str] | None,
+    unit: str | None,
+) -> Recording:
+    """What was read, checked and in SI units."""
     if isinstance(channels, str):
         channels = (channels,)
-    table = read_table(path, topic, progress)
     if rate_hz is None and table.rate_hz is not None:
         rate_hz = table.rate_hz
         check_rate(rate_hz, f"rate_hz in {path.name}")

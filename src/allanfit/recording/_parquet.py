@@ -95,7 +95,13 @@ def _table(path: Path, schema: Any, table: Any) -> Table:
         key.decode(): text.decode(errors="replace") for key, text in (schema.metadata or {}).items()
     }
     own = units_by_channel(path.name, metadata.get("units"))
-    rates = [float(text) for key, text in metadata.items() if is_rate(key)]
     if not columns:
         raise RecordingError(f"{path.name} holds no column of numbers.")
-    return Table(columns, own | units, rates[0] if rates else None, findings)
+    rate_hz = None
+    for key, text in metadata.items():
+        if rate_hz is None and is_rate(key):
+            try:
+                rate_hz = float(text.lower().removesuffix("hz"))
+            except ValueError:
+                findings += (f"The rate {text!r} in the metadata is no number of Hz; not used.",)
+    return Table(columns, own | units, rate_hz, findings)

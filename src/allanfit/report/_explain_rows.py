@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..coefficient_units import field_units
+from ..physics import EFFECTS, Bump
 from ._explain_verdict import probability
 from ._explain_words import capitalised, words
 from ._format import Reading, duration, percent, printable, reading, significant
@@ -127,13 +128,19 @@ def _cause(entry: Mapping[str, Any]) -> str:
     return cause or ""
 
 
+def _with_origin(effect: Mapping[str, Any]) -> str:
+    """What is said of it, and where it comes from as a rule."""
+    known = EFFECTS.get(effect["name"], Bump)
+    return effect["sentence"] + ("" if known is Bump else f" Usual cause: {known.origin}.")
+
+
 def effect_rows(channel: Mapping[str, Any]) -> list[Effect]:
     """In the order of the document."""
     return [
         Effect(
             name=capitalised(words(effect["name"])),
             probability=percent(effect["probability"]),
-            sentence=effect["sentence"],
+            sentence=_with_origin(effect),
             quantities=tuple(
                 Quantity(name.replace("_", " "), _readings(entry, channel))
                 for name, entry in effect["parameters"].items()

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..coefficient_units import Conversion, field_units, si_unit
+from ..coefficients import converged
 from ._format import (
     Number,
     Reading,
@@ -235,4 +236,4 @@ def advice_sentence(channel: Mapping[str, Any]) -> str:
 
 def warning_sentence(channel: Mapping[str, Any]) -> str:
     """The sentence of a fit that did not converge, "" for one that did."""
-    return "" if channel["status"] == "converged" else channel["status"]
+    return "" if converged(channel) else channel["status"]
