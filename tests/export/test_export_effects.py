@@ -93,7 +93,17 @@ def test_a_format_says_which_effects_it_cannot_hold(write_explained, make_channe
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize(
     "flag",
-    ["digital", "averaged", "running_mean", "windowed", "regular", "high_pass", "flat", None],
+    [
+        "digital",
+        "averaged",
+        "running_mean",
+        "windowed",
+        "last",
+        "regular",
+        "high_pass",
+        "flat",
+        None,
+    ],
 )
 def test_every_format_takes_an_effect_that_says_what_kind_it_is(
     write_explained, make_channel, tmp_path, flag, name

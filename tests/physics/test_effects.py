@@ -37,6 +37,7 @@ CONTRACT = {
         "averaged",
         "running_mean",
         "windowed",
+        "last",
     ],
     "power_law": ["exponent", "density"],
     "random_telegraph": ["amplitude", "dwell_time", "upper_share"],

@@ -135,7 +135,10 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
     """
     gains, _ = _shape(theta, kinds, data, slopes=False)
     slots = _slots(theta, kinds)
-    added = [noise_density(name, slots[:, i], data) for i, name in enumerate(kinds.added)]
+    added = [
+        noise_density(name, slots[:, i], data) * (gains[1] if _passes(name, kinds) else 1.0)
+        for i, name in enumerate(kinds.added)
+    ]
     return _columns(gains, kinds, held), gains[2], added
 
 
@@ -178,6 +181,28 @@ def noise_at(
     return density[: len(frequency)] * left_of(name, frequency, data.averaging)
 
 
+def gain_at(
+    theta: Float[np.ndarray, " parameters"],
+    name: str,
+    kinds: Kinds,
+    frequency: Float[np.ndarray, " frequencies"],
+    data: Data,
+) -> Float[np.ndarray, " frequencies"]:
+    """What the filter passes of an added noise at single ordinates: all, unless it comes last."""
+    if kinds.shaping is None or not _passes(name, kinds):
+        return np.ones(len(frequency))
+    missing = -len(frequency) % _LENGTH
+    nodes = points(np.pad(frequency, (0, missing), mode="edge"))
+    three = theta[None, TERMS : TERMS + EACH]
+    passed = _evaluated(_gains, without_droop(kinds.shaping), three, nodes, data.samples)[1]
+    return passed[0, : len(frequency)]
+
+
+def _passes(name: str, kinds: Kinds) -> bool:
+    """Whether the filter changes an added noise: a line is as large as it is among the samples."""
+    return kinds.last and name != "drifting_line"
+
+
 def _left(name: str, data: Data) -> Float[np.ndarray, " bins"]:
     if not data.averaging:
         return np.ones(len(data.bins.nodes))
@@ -213,14 +238,17 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
 
 def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
     """The expected density for each start, shape (starts, bins), and d ln of it/d theta."""
-    added_slopes = []
+    added_slopes, filtered = [], 0.0
     if slopes:
         gains, gain_slopes = _shape(theta, kinds, data, slopes=True)
         columns, bump, added = _columns(gains, kinds, held), gains[2], []
         for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
             slope, density = _evaluated(_density_slopes, name, three, data.bins.nodes, data.samples)
             left = _left(name, data)
-            added_slopes.append(slope * left[:, None])
+            if _passes(name, kinds):
+                filtered = filtered + density * left
+                left = left * gains[1]
+            added_slopes.append(slope * np.atleast_2d(left)[..., None])
             added.append(density * left)
     else:
         gain_slopes = None
@@ -240,7 +268,7 @@ def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
         if kinds.angle_filtered:
             white = white + strong[..., 0]
         slope = folded * (white * bump)[..., None]
-        slope = slope + passed * ((strong[..., 2] + strong[..., 3]) * bump)[..., None]
+        slope = slope + passed * ((strong[..., 2] + strong[..., 3] + filtered) * bump)[..., None]
         blocks.append(slope + bumped * (total / bump)[..., None])
     blocks += [slope * bump[..., None] for slope in added_slopes]
     return total, np.concatenate(blocks, axis=2) / total[..., None]

@@ -121,6 +121,8 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
         flags = ("digital", "averaged", "running_mean", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
+        if kinds.last and any(name != "drifting_line" for name in kinds.added):
+            flag["last"] = np.ones(2)
         own, others = _probabilities(state.finding("low_pass"), "low_pass")
         found.append(
             Effect(

@@ -80,7 +80,7 @@ def in_one_phase(
 
     def excess(order: np.ndarray) -> np.ndarray:
         aside = order / white.size
-        above, below = (density_of(group, main.middle + end * aside, state.data) for end in (1, -1))
+        above, below = (density_of(state, group, main.middle + end * aside) for end in (1, -1))
         return (above + below) / 2 / level
 
     middle = (main.middle - found.frequency[0]) * white.size
@@ -120,7 +120,7 @@ def _tracked(
     middle, width = fitted.middle, fitted.width
     found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
     frequency, band = found.frequency, found.band[:_MOST]
-    excess = density_of([fitted], frequency, state.data) / found.level
+    excess = density_of(state, [fitted], frequency) / found.level
     part = np.arange(band.size) / band.size * excess.size
     normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
     place = (middle - frequency[0]) * white.size / frequency.size

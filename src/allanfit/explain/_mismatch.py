@@ -49,8 +49,10 @@ class Located(NamedTuple):
 def located(state: Investigation, effects: Sequence[Effect], dt: float) -> list[Located]:
     """One entry an effect, with its name, in Hz or s."""
     found = []
-    for effect in effects:
-        chance = math.exp(max(_log_chance(state, effect.name), math.log(CHANCE_FLOOR)))
+    own = state.findings_of([effect.name for effect in effects])
+    for effect, finding in zip(effects, own, strict=True):
+        log_p = _log_chance(state, effect.name) if finding is None else finding.log_p
+        chance = math.exp(max(log_p, math.log(CHANCE_FLOOR)))
         if effect.name == "sample_hold" and state.stride > 1:
             entry = _images(state, chance, dt)
         elif effect.name in _IN_VALUES:
@@ -74,7 +76,7 @@ def meet(one: Mismatch, other: Mismatch) -> bool:
 
 
 def _log_chance(state: Investigation, name: str) -> float:
-    """Log of the chance of what an effect was named for, by whatever name it was found."""
+    """Log of the chance of what an effect was named for, found by another name."""
     if name == "bump" and state.unexplained is not None:
         return log_chance("bump", state.unexplained.gain)
     names = (name, *_FOUND_AS.get(name, ()))

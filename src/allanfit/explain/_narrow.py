@@ -7,13 +7,13 @@ from jaxtyping import Float
 from scipy.fft import dct, idct
 
 from . import _search
-from ._climb import effects_density, noise_at
+from ._climb import effects_density, gain_at, noise_at
 from ._moving import Band
 from ._ordinates import bin_edges
 from ._refit import rebin
 from ._search import Model
 from ._state import Investigation
-from ._structure import EACH, NARROW, Data, shape_of
+from ._structure import EACH, NARROW, shape_of
 from ._tracked import Baseband, inside, narrow_band
 
 # Bins within a width to either side of a peak that show its shape.
@@ -88,10 +88,18 @@ def beside(
 
 
 def density_of(
-    group: list[Narrow], frequency: Float[np.ndarray, " _"], data: Data
+    state: Investigation, group: list[Narrow], frequency: Float[np.ndarray, " _"]
 ) -> Float[np.ndarray, " _"]:
     """What a group puts into ordinates at some frequencies [u^2]."""
-    return np.sum([noise_at(each.name, each.three, frequency, data) for each in group], axis=0)
+    theta, kinds, data = state.model.theta, state.model.kinds, state.data
+    return np.sum(
+        [
+            noise_at(each.name, each.three, frequency, data)
+            * gain_at(theta, each.name, kinds, frequency, data)
+            for each in group
+        ],
+        axis=0,
+    )
 
 
 class Demodulated(NamedTuple):
@@ -134,5 +142,5 @@ def band_of(state: Investigation, group: list[Narrow], widths: float) -> Band:
     low = max(min(each.middle - widths * each.width for each in group), 1 / samples)
     high = min(max(each.middle + widths * each.width for each in group), 0.5)
     at = np.linspace(low, high, _SHARES)
-    own = density_of(group, at, state.data)
+    own = density_of(state, group, at)
     return Band(low, high, at, own / (own + beside(state, group, at)))

@@ -143,6 +143,7 @@ def candidates(
         starts += _filtered(model, data)
     if model.kinds.shaping in FREE_FILTERS:
         starts += _drooping(model, data)
+    starts += _filtered_last(starts)
     found = _compare(_promising(starts, data, _KEPT), model, data)
     strongest = max((each.gain for each in found), default=0.0)
     return [
@@ -279,6 +280,15 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
     return starts
 
 
+def _filtered_last(starts: list[Start]) -> list[Start]:
+    """The same with added noises in front of the filter too, where it is behind the converter."""
+    return [
+        (name, kinds._replace(last=True), theta)
+        for name, kinds, theta in starts
+        if kinds.angle_filtered and kinds.added and not kinds.last
+    ]
+
+
 def _filtered(model: Model, data: Data) -> list[Start]:
     density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
     starts = []
@@ -373,7 +383,7 @@ def without(model: Model, place: int) -> Model:
     kinds, begin = model.kinds, TERMS + EACH * place
     kept = np.concatenate([model.theta[:begin], model.theta[begin + EACH :]])
     if kinds.shaping is not None and place == 0:
-        return Model(kinds._replace(shaping=None), kept, model.deviance)
+        return Model(kinds._replace(shaping=None, last=False), kept, model.deviance)
     place -= kinds.shaping is not None
     added = kinds.added[:place] + kinds.added[place + 1 :]
     return Model(kinds._replace(added=added), kept, model.deviance)

@@ -7,7 +7,8 @@ sample. The expected density is
     bump(f) (H(f) (N + B + K) + Q + foreign + added noises),
 
 with the filter H in front of the converter, whose angle quantization it does not see; aliases of
-what passes are in it. A filter behind the converter passes H(f) Q instead. `foreign` is white noise
+what passes are in it. A filter behind the converter passes H(f) Q instead, and one that comes last
+the added noises as well. `foreign` is white noise
 of known size that does not belong to N, and that no filter sees.
 """
 
@@ -65,6 +66,8 @@ class Kinds(NamedTuple):
     shaping: str | None = None
     #: Names of the added noises, in the order of their parameters.
     added: tuple[str, ...] = ()
+    #: Whether the filter comes last, so that added noises pass it as well.
+    last: bool = False
 
     @property
     def first_slot(self) -> int:

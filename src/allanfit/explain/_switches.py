@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from . import _means, _search
-from ._climb import noise_at
+from ._climb import gain_at, noise_at
 from ._ordinates import ordinates
 from ._state import Investigation
 from ._structure import EACH, shape_of
@@ -29,6 +29,7 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
     found = noise_at("gauss_markov", three, thinned, state.data)
+    found *= gain_at(state.model.theta, "gauss_markov", state.model.kinds, thinned, state.data)
     signal = np.minimum(np.interp(frequency, thinned, found), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
     return two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)

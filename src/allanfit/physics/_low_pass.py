@@ -42,6 +42,8 @@ _LOWEST = 1e-2
 class LowPass(AbstractFilter):
     """|H|^2 = 1/(1 + (f/f_c)^(2 order)): Butterworth, f_c at -3 dB, of any order above 1/2.
 
+    One that comes `last` filters added noises as well, and not the five terms alone.
+
     White noise through an analogue filter keeps what passes beyond the Nyquist frequency as
     aliases. The density N of a sensor with a filter is what it shows at low frequency, aliases
     included, so that the gain is one there whatever the cut-off. Those up to 8 sampling rates have
@@ -72,6 +74,7 @@ class LowPass(AbstractFilter):
     averaged: bool = eqx.field(static=True, default=False)
     running_mean: bool = eqx.field(static=True, default=False)
     windowed: bool = eqx.field(static=True, default=False)
+    last: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "low_pass"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("cutoff_frequency", "Hz"),
@@ -81,6 +84,7 @@ class LowPass(AbstractFilter):
         Parameter("averaged", "", kind="flag"),
         Parameter("running_mean", "", kind="flag"),
         Parameter("windowed", "", kind="flag"),
+        Parameter("last", "", kind="flag"),
     )
     what: ClassVar[str] = "a low-pass filter"
     origin: ClassVar[str] = "the sensor's own digital or analogue filter"

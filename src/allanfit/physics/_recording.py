@@ -8,6 +8,7 @@ from jaxtyping import Array, Float, PRNGKeyArray
 
 from ._bump import Bump
 from ._disturbance import Disturbance
+from ._drifting_line import DriftingLine
 from ._dropped_samples import DroppedSamples
 from ._effect import AbstractAddedNoise, AbstractEffect, AbstractMean
 from ._filtering import filtered
@@ -52,7 +53,8 @@ def draw_recording(
     means, temperature, vibration rectification, outliers, lost samples, the bias, the end of the
     range, rounding and holding, whatever the order of `effects`. A filter in front of the converter
     passes white noise with its aliases and slow noise without any; quantization noise is made
-    behind it. One behind the converter passes all of them. No filter changes the ramp.
+    behind it. One behind the converter passes all of them, and one that comes last added noises
+    too, but for lines that wander. No filter changes the ramp.
 
     **Arguments:** coefficients and parameters in a unit u and s, `dt` [s] between samples, and the
     `bias` [u].
@@ -89,6 +91,8 @@ def draw_recording(
                 if symbol == "N"
                 else filtered(terms[symbol], lambda f, h=effect: h.passed(f, dt), dt)
             )
+    # A line that wanders is as large as it is among the samples.
+    sieves = [effect for effect in effects if isinstance(effect, LowPass) and effect.last]
     ramp = terms.pop("R", jnp.zeros(()))
     for effect, _ in of(VarianceModulation):
         assert isinstance(effect, VarianceModulation)
@@ -99,7 +103,13 @@ def draw_recording(
         drawn = effect.apply(each, drawn, dt, sampling)
     drawn += ramp
     for effect, each in of(*_FELT):
-        drawn = effect.apply(each, drawn, dt, sampling)
+        if isinstance(effect, AbstractAddedNoise) and not isinstance(effect, DriftingLine):
+            noise = effect.sample(each, length, dt, sampling)
+            for sieve in sieves:
+                noise = filtered(noise, lambda f, h=sieve: h.passed(f, dt), dt)
+            drawn += noise
+        else:
+            drawn = effect.apply(each, drawn, dt, sampling)
     drawn += bias
     for effect, each in of(*_SENT):
         drawn = effect.apply(each, drawn, dt, sampling)
