@@ -26,8 +26,8 @@ _WORTH = float(np.log(0.3))
 # Slower than this many periods in the record, an oscillation is no line yet.
 _FEWEST_PERIODS, _TOO_FEW_PERIODS = 1.5, 1.0
 _MOST_PERIODS = 160
-# A sensor follows its surroundings late by such parts of the record.
-_LAGS = (0.0, 0.003, 0.01, 0.03, 0.1)
+# A sensor follows its surroundings late by such parts of the record, or its thermometer does.
+_LAGS = (0.0, 0.003, 0.01, 0.03, 0.1, -0.003, -0.01, -0.03, -0.1)
 
 
 def propose(

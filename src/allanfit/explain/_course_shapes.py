@@ -46,9 +46,10 @@ def refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Co
         )
     if course.name == "sinusoid":
         return _slow_line(state, course)
-    if course.name == "temperature" and course.shape["lag"] > 0:
-        felt, lag = drivers["temperature"][:, 0], course.shape["lag"]
-        return _means.polish(course, lambda c: _means.late(felt, c), lag, lag / 2, gain)
+    if course.name == "temperature" and course.shape["lag"]:
+        felt, lag = drivers["temperature"][:, 0], abs(course.shape["lag"])
+        sign = np.sign(course.shape["lag"])
+        return _means.polish(course, lambda c: _means.late(felt, sign * c), lag, lag / 2, gain)
     if course.name == "vibration_rectification":
         course, state.modulation = at_its_edges(state, course)
     return course

@@ -10,6 +10,7 @@ from ._course_shapes import draw_courses
 from ._effect import Effect
 from ._jumps import jumps
 from ._line_parts import merged
+from ._means import Course
 from ._posterior import Draws
 from ._spikes import USUAL
 from ._state import Finding, Investigation, Unknown
@@ -266,7 +267,7 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     ]
     if state.sized is None:
         return _steps(steps)
-    found, felt, lags = [], [], []
+    found, felt, warm = [], [], []
     columns, logs = draw_courses(state, rng, 2000)
     findings = state.findings_of([course.name for course in state.courses])
     for course, sizes, log, finding in zip(state.courses, columns, logs, findings, strict=True):
@@ -281,7 +282,7 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
             found.append(_sinusoid(course, sizes, own, others, dt, rng))
         elif course.name == "temperature":
             felt.append(sizes)
-            lags.append(course.shape["lag"])
+            warm.append(course)
         else:
             # Rectified vibration, per unit of a vibration that is itself known roughly.
             assert state.modulation is not None
@@ -293,15 +294,26 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
         own, others = _probabilities(state.finding("temperature"), "temperature")
         linear, square = np.sum(felt, axis=0).T
         values = {"sensitivity": linear}
-        # Where what is felt at once and what is felt late cancel, changes are left.
-        late = np.tensordot(lags, np.array(felt)[:, :, 0], 1)
-        clear = abs(np.mean(late)) > _BENT * np.std(late)
-        changes = len(felt) > 1 and clear and abs(np.mean(linear)) < 2 * np.std(linear)
-        note = "how fast temperature changes" if changes else ""
+        note = "how fast temperature changes" if _of_changes(warm, felt) else ""
         if abs(np.mean(square)) > _BENT * np.std(square):
             values["quadratic"] = square
         found.append(Effect("temperature", own, others, values, note=note))
     return found + _steps(steps)
+
+
+def _of_changes(warm: list[Course], felt: list[np.ndarray]) -> bool:
+    """Whether what is felt at once and what is felt late cancel, so that changes are left.
+
+    Temperature itself then makes less than half of the course, whatever its sensitivity may be.
+    """
+    linear = np.array(felt)[:, :, 0]
+    late = np.array([course.shape["lag"] for course in warm]) @ linear
+    if len(warm) < 2 or abs(np.mean(late)) < _BENT * np.std(late):
+        return False
+    columns = np.column_stack([course.draw()[:, 0] for course in warm])
+    at_once = columns[:, np.argmin([course.shape["lag"] for course in warm])]
+    most = np.max(np.abs(np.quantile(linear.sum(axis=0), [0.025, 0.975])))
+    return bool(most * np.std(at_once) < np.std(columns @ linear.mean(axis=1)) / 2)
 
 
 def _steps(steps: list[tuple]) -> list[Effect]:

@@ -23,6 +23,8 @@ _ROUNDS = 3
 # What changes as slowly as a step at most, and how far below the top of what is slow a sinusoid is.
 _SLOW = ("step", "warm_up", "temperature")
 _FAR = 8.0
+# A thermometer that is behind is as smooth as one that is ahead by such a part of its lag.
+_PARTS = 4
 
 Template = Float[np.ndarray, "samples columns"]
 
@@ -179,13 +181,22 @@ def step(time: int, samples: int) -> Course:
 
 
 def late(felt: Float[np.ndarray, " samples"], lag: float) -> Course:
-    """A temperature and its square, which a sensor feels through one thermal mass, `lag` behind."""
+    """A temperature and its square, which a sensor feels through one thermal mass, `lag` behind.
+
+    A thermometer that is behind the sensor has a `lag` below zero: how fast it rises, over a part
+    of that time, tells what it will show.
+    """
+
+    def behind(mass: float) -> Float[np.ndarray, " samples"]:
+        share = 1 - np.exp(-1 / mass)
+        return lfilter([share], [1, share - 1], felt - felt[0]) + felt[0]
 
     def draw() -> Template:
         later = felt
         if lag > 1:
-            share = 1 - np.exp(-1 / lag)
-            later = lfilter([share], [1, share - 1], felt - felt[0]) + felt[0]
+            later = behind(lag)
+        elif lag < -_PARTS:
+            later = felt + _PARTS * (felt - behind(-lag / _PARTS))
         later = later - later.mean()
         return np.column_stack([later, later**2])
 
