@@ -44,6 +44,23 @@ def test_stamps_rounded_to_milliseconds_still_give_the_rate():
     assert told.findings == ()
 
 
+@pytest.mark.parametrize("lost", [0.0, 0.005, 0.05])
+@pytest.mark.parametrize(
+    ("rate_hz", "digits"),
+    [(59.5, 3), (104, 3), (119, 3), (416, 3), (500, 3), (49.9, 2), (833, 6), (1660, 6)],
+)
+def test_losses_are_counted_where_stamps_are_rounded_up_to_half_an_interval(rate_hz, digits, lost):
+    """Singly and in short runs, at rates of which the interval is no whole number of steps."""
+    kept = random().random(100_000) >= lost
+    if lost:
+        for start in range(500, kept.size - 500, 5_000):
+            kept[start : start + 4] = False
+    told = clock((np.flatnonzero(kept) / rate_hz + 0.0123).round(digits))
+    assert told.breaks == ()
+    assert told.rate_hz == pytest.approx(rate_hz, rel=1e-5)
+    assert told.lost == pytest.approx(1 - kept.mean(), abs=2e-5)
+
+
 @pytest.mark.parametrize(
     ("name", "unit", "scale"),
     [

@@ -3,6 +3,10 @@
 A sensor samples evenly; its stamps often do not. Transport delivers samples in bursts, a busy
 computer stamps them late, a coarse clock repeats itself. A late sample is told from a lost one by
 what follows: after a delay later stamps catch up with the even grid, after a gap none ever does.
+
+Single losses are counted where stamps are rounded to at most half an interval. Rounded to more, a
+step with a loss may be as short as one without, and some are missed. Rounded to nearly an interval,
+most steps are alike and the others look like losses.
 """
 
 import re
@@ -55,6 +59,12 @@ CATCH_UP = 1024
 # A loss of fewer samples moves the time axis too little to matter, and cutting there would take
 # the long averaging times away.
 _GAP = 10
+# Where stamps are rounded to half an interval or less, a step differs from the median step by up to
+# half of that (two clock steps and one more), a step with a loss by at least 2/3 (three and five).
+_NEAR = 0.6
+# Steps between the first and the last of these quantiles are alike. Late samples and losses make
+# some too long; fewer are too short, where stamps catch up.
+_ALIKE = (0.1, 0.5, 0.85)
 
 
 @dataclass(frozen=True)
@@ -221,19 +231,29 @@ def _over_wraps(
 
 
 def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
-    """The interval away from gaps: the median over the shortest window that evens bursts out."""
+    """The interval away from gaps and losses, evened out over the shortest window that does."""
     steps = np.diff(time)
-    typical = 0.0
-    for window in (1, 4, 16, 64, 256, CATCH_UP):
-        if window > 1 and 4 * window > time.size:
+    low, typical, high = np.quantile(steps, _ALIKE)
+    reach = _NEAR * typical
+    if max(typical - low, high - typical) < reach and _few_pauses(steps, typical):
+        # The median of stamps that a coarse clock rounds is a whole number of its steps.
+        typical = np.mean(steps[np.abs(steps - typical) < reach])
+        # That leaves out steps over losses. Once they are counted too, the roundings cancel.
+        counts = np.round(steps / typical)
+        few = np.abs(counts) < _GAP
+        return float(np.sum(steps[few]) / np.sum(counts[few]))
+    for window in (4, 16, 64, 256, CATCH_UP):
+        if 4 * window > time.size:
             break
-        low, typical, high = np.quantile(
-            (time[window:] - time[:-window]) / window, [0.1, 0.5, 0.85]
-        )
-        # Within a burst the steps are alike too, but then the pauses between bursts are many.
-        if high - low < 0.25 * typical and np.mean(steps > 5 * typical) < 0.01:
+        low, typical, high = np.quantile((time[window:] - time[:-window]) / window, _ALIKE)
+        if high - low < 0.25 * typical and _few_pauses(steps, typical):
             break
     return float(typical)
+
+
+def _few_pauses(steps: Float64[np.ndarray, " steps"], typical: float) -> bool:
+    """Whether these are no bursts, in which steps are alike too."""
+    return bool(np.mean(steps > 5 * typical) < 0.01)
 
 
 def _tick(
