@@ -282,3 +282,24 @@ def test_a_course_and_noise_that_hide_behind_one_walk_are_found_together(tmp_pat
     assert effects.keys() == {"disturbance", "warm_up", "gauss_markov"}
     low, high = effects["warm_up"]["amplitude"]["intervals"]["0.95"]
     assert low < 0.05 < high
+
+
+def test_a_thermometer_that_is_behind_says_the_sensitivity_of_the_sensor(tmp_path):
+    """0.02 deg/s/K at once, of a room that swings in 40 and 100 s, logged 5 s late."""
+    time, rng = np.arange(SAMPLES) / RATE, np.random.default_rng(18)
+    room = np.sin(2 * np.pi * time / 97) + 0.6 * np.sin(2 * np.pi * time / 41)
+    share = 1 - np.exp(-1 / RATE / 5.0)
+    shown = lfilter([share], [1, share - 1], room) + 1e-3 * rng.standard_normal(SAMPLES)
+    path = tmp_path / "log.npz"
+    np.savez(
+        path,
+        gyro_x=noise(18) + 0.02 * room,
+        temperature=25 + shown,
+        rate_hz=RATE,
+        units='{"gyro_x": "deg/s", "temperature": "degC"}',
+    )
+    found = explain_recording(allanfit.load(path), posterior=False).to_dict()["channels"][0]
+    (effect,) = found["effects"]
+    assert effect["name"] == "temperature"
+    # What it shows, less how fast it rises, is a seventh less.
+    assert effect["parameters"]["sensitivity"]["value"] == pytest.approx(0.02, rel=0.02)

@@ -302,18 +302,11 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
 
 
 def _of_changes(warm: list[Course], felt: list[np.ndarray]) -> bool:
-    """Whether what is felt at once and what is felt late cancel, so that changes are left.
-
-    Temperature itself then makes less than half of the course, whatever its sensitivity may be.
-    """
+    """Whether what is felt at once and what is felt late cancel, so that changes are left."""
     linear = np.array(felt)[:, :, 0]
-    late = np.array([course.shape["lag"] for course in warm]) @ linear
-    if len(warm) < 2 or abs(np.mean(late)) < _BENT * np.std(late):
-        return False
-    columns = np.column_stack([course.draw()[:, 0] for course in warm])
-    at_once = columns[:, np.argmin([course.shape["lag"] for course in warm])]
-    most = np.max(np.abs(np.quantile(linear.sum(axis=0), [0.025, 0.975])))
-    return bool(most * np.std(at_once) < np.std(columns @ linear.mean(axis=1)) / 2)
+    late, at_once = np.array([course.shape["lag"] for course in warm]) @ linear, linear.sum(axis=0)
+    clear = abs(np.mean(late)) > _BENT * np.std(late)
+    return bool(len(warm) > 1 and clear and abs(np.mean(at_once)) < 2 * np.std(at_once))
 
 
 def _steps(steps: list[tuple]) -> list[Effect]:

@@ -24,7 +24,7 @@ _ROUNDS = 3
 _SLOW = ("step", "warm_up", "temperature")
 _FAR = 8.0
 # A thermometer that is behind is as smooth as one that is ahead by such a part of its lag.
-_PARTS = 4
+_PARTS = 8
 
 Template = Float[np.ndarray, "samples columns"]
 

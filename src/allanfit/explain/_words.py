@@ -142,7 +142,10 @@ def family_sentence(family: Family) -> str:
 def _followed(shown: Parameters, told: Callable[[str], str], note: str) -> str:
     """How temperature moves the output."""
     if note:
-        return f"The output follows {note}, as that of a fibre gyro does, and not temperature."
+        return (
+            f"The output follows {note}, as that of a fibre gyro does; of temperature itself it "
+            "follows nothing that is seen."
+        )
     if "quadratic" not in shown:
         return f"The output follows temperature by {told('sensitivity')}."
     low, high = shown["sensitivity"]["intervals"]["0.95"]
