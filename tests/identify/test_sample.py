@@ -10,8 +10,10 @@ from allanfit.identify._diagnostics import effective_sample_size, r_hat
 
 @pytest.fixture(scope="module")
 def fitted():
-    x = allanfit.simulate({"N": 5e-3, "B": 2e-3, "K": 1e-3}, duration_s=600.0, rate_hz=50.0, seed=3)
-    return allanfit.fit(x, 50.0)
+    """Of the length and rate of test_fit, for one compilation."""
+    coefficients = {"N": 5e-3, "B": 2e-3, "K": 1e-3}
+    x = allanfit.simulate(coefficients, duration_s=819.2, rate_hz=10.0, seed=3)
+    return allanfit.fit(x, 10.0)
 
 
 def test_posterior_converges_and_agrees_with_the_fast_one(fitted):

@@ -374,9 +374,9 @@ CURVES = {
 @pytest.mark.parametrize("name", CURVES)
 def test_gradients_and_batches(name):
     """Slope along the parameters against a finite difference; vmap against a loop."""
-    effect, curve = CURVES[name]
+    effect, curve = CURVES[name][0], jax.jit(CURVES[name][1])
     if name.startswith("critical"):  # where damping is critical the slope has a side only
-        _, slope = jax.jvp(curve, (effect,), (effect,))
+        _, slope = jax.jit(lambda at: jax.jvp(curve, (at,), (at,)))(effect)
         assert np.isfinite(slope).all()
         return
     ahead, behind = (jax.tree.map(lambda leaf, s=s: leaf * (1 + s), effect) for s in (1e-5, -1e-5))
@@ -385,8 +385,8 @@ def test_gradients_and_batches(name):
     size = np.abs(np.asarray(curve(effect)))
     np.testing.assert_allclose(slope, expected, rtol=1e-5, atol=1e-9 * size.max())
     if isinstance(effect, AbstractFilter):
-        reverse = jax.grad(lambda at: jnp.sum(curve(at)))(effect)
+        reverse = jax.jit(jax.grad(lambda at: jnp.sum(curve(at))))(effect)
         assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(reverse))
     both = jax.tree.map(lambda one, other: jnp.stack([one, other]), effect, ahead)
     loop = np.stack([curve(effect), curve(ahead)])
-    np.testing.assert_allclose(jax.vmap(curve)(both), loop, rtol=1e-12)
+    np.testing.assert_allclose(jax.jit(jax.vmap(curve))(both), loop, rtol=1e-12)

@@ -252,13 +252,6 @@ def test_a_strength_that_varies_goes_in_straight_lines():
     assert found == pytest.approx(1 + 2 * (1 - np.abs(middles - 1)), rel=0.05)
 
 
-def test_steps_up_and_down():
-    given = {"amplitude": 1.0, "times": [2.0, 6.0], "heights": [1.5, -0.5]}
-    effect = effect_from("step", given)
-    drawn = np.asarray(draw_recording(KEY, standard_model({}), [effect], 1000, DT, "point"))
-    assert list(drawn[[100, 300, 700]]) == pytest.approx([0, 1.5, 1.0])
-
-
 @pytest.mark.parametrize(
     "effect",
     [
@@ -282,7 +275,8 @@ def test_filters_do_to_white_noise_as_they_say(effect):
 def test_filters_pass_a_mean():
     samples = 5.0 + jnp.sin(jnp.arange(200.0))
     for effect in (made(LowPass, 120.0, 1.0), made(Bump, 1.0, 8.0, 0.4)):
-        assert effect.apply(KEY, samples, DT, "point").mean() == pytest.approx(samples.mean())
+        passed = jax.jit(lambda x, each=effect: each.apply(KEY, x, DT, "point"))(samples)
+        assert passed.mean() == pytest.approx(samples.mean())
 
 
 ZEROS = jnp.zeros(1000)
@@ -306,6 +300,9 @@ def test_warm_up_and_steps():
     times = jnp.array([5.0, 2.0])
     both = Step(jnp.array([1.0, 10.0]), times).apply(KEY, ZEROS, DT, "point")
     np.testing.assert_allclose(both, 1.0 * (TIME >= 5) + 10.0 * (TIME >= 2))
+    given = {"amplitude": 1.0, "times": [5.0, 2.0], "heights": [1.5, -0.5]}
+    drawn = draw_recording(KEY, standard_model({}), [effect_from("step", given)], 1000, DT, "point")
+    np.testing.assert_allclose(drawn, 1.5 * (TIME >= 5) - 0.5 * (TIME >= 2))
     same = Step(jnp.asarray(3.0), times).apply(KEY, ZEROS, DT, "point")
     np.testing.assert_allclose(same, 3.0 * (TIME >= 5) + 3.0 * (TIME >= 2))
 
@@ -411,8 +408,8 @@ def test_vibration_shifts_the_bias():
 
 
 def test_a_sinusoid_keeps_its_phase_in_float32():
-    """After 830,000 turns, where float32 knows phases to a twentieth of a turn."""
-    samples, turn = 4_000_000, 850 / 64**2
+    """After 207,000 turns, where float32 knows phases to an eightieth of a turn."""
+    samples, turn = 1_000_000, 850 / 64**2
     with jax.enable_x64(False):
         line = Sinusoid(jnp.asarray(1.0), jnp.asarray(850 / 64), jnp.asarray(0.3))
         drawn = line.apply(jax.random.key(0), jnp.zeros(samples), 1 / 64, "point")
