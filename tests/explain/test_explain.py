@@ -62,9 +62,10 @@ def test_nothing_is_claimed_where_nothing_is_left_out(tmp_path, seed):
     assert channel["coefficients_after"] == channel["coefficients_before"]
 
 
-@pytest.mark.parametrize("length", [40, 65, 90, 150])
+@pytest.mark.parametrize("length", [40, 65])
 def test_short_stretches_are_explained_or_refused_in_one_sentence(tmp_path, length):
-    values = np.where(np.arange(10 * length) % length, noise(11)[: 10 * length], np.nan)
+    place = np.arange(10 * (length + 40))
+    values = np.where(place % (length + 40) < length, noise(11)[: place.size], np.nan)
     recording = allanfit.load(written(tmp_path, values))
     if length < 64:
         with pytest.raises(RecordingError, match="explain needs one of 64"):

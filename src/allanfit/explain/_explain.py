@@ -13,6 +13,7 @@ from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside
 from ._after import fit_after
 from ._averaged import averaged
+from ._closed_up import closed_up
 from ._effect import Effect
 from ._effects import effects_of
 from ._explanation import ChannelExplanation, Explanation, finite
@@ -60,9 +61,9 @@ def explain_recording(
             "allanfit.recording_of."
         )
     compared_with = references(simulation, recording, sampling)
-    drawn = [each.simulated[0] for each in compared_with.values() if each.simulated]
-    for channel in (*recording.channels, *drawn):
-        _check_stretches(channel)
+    drawn = [each.simulated for each in compared_with.values() if each.simulated]
+    for channel, of in (*((each, recording) for each in recording.channels), *drawn):
+        _check_stretches(closed_up(channel, of)[0])
     alarm = ALARM / len(recording.channels)
     found: list[ChannelExplanation] = []
     simulated: dict[int, ChannelExplanation] = {}
@@ -106,6 +107,7 @@ def _explain_channel(
     posterior: bool,
     seed: int,
 ) -> ChannelExplanation:
+    channel, recording = closed_up(channel, recording)
     fit = fit_series(
         channel.samples,
         recording.rate_hz,
