@@ -31,7 +31,7 @@ def test_a_line_is_seen_through_empty_cells():
 
 
 def test_what_is_missing_is_lost_where_it_was():
-    """Two at 200 and one at 300, losses of the clock before both and at the second; a pause at 600."""
+    """Two at 200, one at 300 beside five that the clock lost, three before; a pause at 600."""
     values = np.random.default_rng(4).standard_normal((1000, 2))
     values[[200, 201, 300], 0] = np.nan
     values[600:700, 0] = np.nan
