@@ -162,7 +162,7 @@ def moved_along(
 def swinging(
     white: Float[np.ndarray, " samples"], longest: float = np.inf
 ) -> tuple[float, float] | None:
-    """Period [samples] and log chance of noise whose strength swings, too fast for `_spread`.
+    """Period [samples] and log chance of noise whose strength swings, too fast for `_modulation`.
 
     The squares of a white record are white; a periodic strength is a line among them. Periods from
     `longest` on are not looked at.
@@ -174,10 +174,9 @@ def swinging(
     if usable.sum() < TILE:
         return None
     # A strong resonance makes the squares uneven: each stretch of them by its own median.
-    block = TILE
-    starts = np.arange(0, power.size, block)
-    own = np.array([np.median(power[a : a + block]) for a in starts]) / np.log(2)
-    power = power / np.maximum(np.repeat(own, block)[: power.size], 1.0)
+    starts = np.arange(0, power.size, TILE)
+    own = np.array([np.median(power[a : a + TILE]) for a in starts]) / np.log(2)
+    power = power / np.maximum(np.repeat(own, TILE)[: power.size], 1.0)
     at = int(np.argmax(np.where(usable, power, 0.0)))
     log_p = float(min(0.0, np.log(usable.sum()) - power[at]))
     return white.size / at, log_p

@@ -71,7 +71,7 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     taken = np.zeros(fine.size, bool)
     while len(peaks) < _MOST:
         found = _strongest(np.where(taken, 0.0, fine), np.where(taken[::2], 1.0, power), samples)
-        if found is None or found.log_p > np.log(p_value):
+        if found.log_p > np.log(p_value):
             break
         peaks.append(found)
         reach = max(2.5 * found.half_width, 3 / samples)
@@ -82,8 +82,7 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
 
 def _strongest(
     fine: Float[np.ndarray, " padded"], power: Float[np.ndarray, " ordinates"], samples: int
-) -> Peak | None:
-    best: Peak | None = None
+) -> Peak:
     top = int(np.argmax(fine))
     strongest = float(fine[top])
     best = Peak(top / (2 * samples), 0.5 / samples, strongest, line_log_chance(strongest, samples))

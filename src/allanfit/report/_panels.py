@@ -1,4 +1,4 @@
-"""Drawing a curve and its residuals with matplotlib, which this file alone imports."""
+"""Drawing a curve and its residuals with matplotlib."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
