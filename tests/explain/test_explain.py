@@ -37,6 +37,15 @@ def explained(folder, values, **options):
     return found.to_dict()["channels"][0]
 
 
+def beside_temperature(values, celsius):
+    recording = allanfit.recording_of(
+        {"gyro_x": values, "temperature": celsius},
+        rate_hz=RATE,
+        units={"gyro_x": "deg/s", "temperature": "degC"},
+    )
+    return explain_recording(recording, posterior=False).to_dict()["channels"][0]
+
+
 @pytest.fixture(scope="module")
 def wandering(tmp_path_factory):
     """A Gauss-Markov process of 0.014 deg/s and 4 s beside the noise, explained on the way out."""
@@ -225,19 +234,12 @@ def test_a_line_that_swings_as_a_sine_is_one_that_wanders(tmp_path):
     assert any("does not wander as the model has it" in sentence for sentence in found["advice"])
 
 
-def test_the_square_of_temperature_is_told(tmp_path):
+def test_the_square_of_temperature_is_told():
     """A room that swings by 2 K: bias of 0.01 K^-2 of its square, in deg/s, and none of itself."""
     time = np.arange(SAMPLES) / RATE
     kelvin = 2 * np.sin(2 * np.pi * 3 * time / time[-1]) + np.sin(2 * np.pi * 7 * time / time[-1])
-    path = tmp_path / "log.npz"
-    np.savez(
-        path,
-        gyro_x=noise(17) + 0.01 * (kelvin - kelvin.mean()) ** 2,
-        temperature=25 + kelvin,
-        rate_hz=RATE,
-        units='{"gyro_x": "deg/s", "temperature": "degC"}',
-    )
-    found = explain_recording(allanfit.load(path), posterior=False).to_dict()["channels"][0]
+    values = noise(17) + 0.01 * (kelvin - kelvin.mean()) ** 2
+    found = beside_temperature(values, 25 + kelvin)
     (effect,) = found["effects"]
     assert effect["name"] == "temperature"
     assert effect["parameters"]["quadratic"]["unit"] == "deg/s/K^2"
@@ -285,21 +287,13 @@ def test_a_course_and_noise_that_hide_behind_one_walk_are_found_together(tmp_pat
     assert low < 0.05 < high
 
 
-def test_a_thermometer_that_is_behind_says_the_sensitivity_of_the_sensor(tmp_path):
+def test_a_thermometer_that_is_behind_says_the_sensitivity_of_the_sensor():
     """0.02 deg/s/K at once, of a room that swings in 40 and 100 s, logged 5 s late."""
     time, rng = np.arange(SAMPLES) / RATE, np.random.default_rng(18)
     room = np.sin(2 * np.pi * time / 97) + 0.6 * np.sin(2 * np.pi * time / 41)
     share = 1 - np.exp(-1 / RATE / 5.0)
     shown = lfilter([share], [1, share - 1], room) + 1e-3 * rng.standard_normal(SAMPLES)
-    path = tmp_path / "log.npz"
-    np.savez(
-        path,
-        gyro_x=noise(18) + 0.02 * room,
-        temperature=25 + shown,
-        rate_hz=RATE,
-        units='{"gyro_x": "deg/s", "temperature": "degC"}',
-    )
-    found = explain_recording(allanfit.load(path), posterior=False).to_dict()["channels"][0]
+    found = beside_temperature(noise(18) + 0.02 * room, 25 + shown)
     (effect,) = found["effects"]
     assert effect["name"] == "temperature"
     # What it shows, less how fast it rises, is a seventh less.
