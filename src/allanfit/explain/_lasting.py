@@ -1,9 +1,10 @@
 """Whether the noise of a channel lasts: loud times and knocks, and outliers beside them."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from . import _discrete, _search
+from ._alone import Others
 from ._bursts import bursts
 from ._held_out_values import Gain, of_loud_times
 from ._intervals import runs
@@ -12,7 +13,7 @@ from ._lines import scan
 from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation, of_samples
 from ._ordinates import bin_edges, binned, ordinates
 from ._refit import rebin, refit
-from ._spikes import height_of, name_clear_spikes, name_spikes, take_out_spikes, tall_spikes
+from ._spikes import height_of, name_clear_spikes, name_spikes, put_back, take_out_spikes
 from ._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ._vibration import away_from_edges, take_out, vibration
 from ._whiten import level, without_ends
@@ -24,6 +25,8 @@ _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 _LONGER_TAIL = 3.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
+# So much of the modes is heard in full where samples were mended.
+_HEARD = 0.9
 # A part of the variance that is left however quiet it is.
 _WEAKEST = 1e-3
 
@@ -34,9 +37,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     if at_the_ends is not None:
         knock(state, at_the_ends, whitened_pieces(state))
         return True
-    tall = tall_spikes(state)
-    if tall.any():
-        _name_tall_spikes(state, tall, seed)
+    _name_tall_spikes(state, seed)
     rough = whitened_piece(state, state.longest)
     notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
     white = _white(state, notches)
@@ -81,7 +82,8 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         _count_out(state, changing)
         _name_loud_times(state, changing, of_loud_times(heard, seed))
     if state.format.normal:
-        name_spikes(state, even, mean, seed, ~changing.loud if loud else None)
+        quiet = ~changing.loud if loud else None
+        name_spikes(state, even, mean, height_of(mean), seed, quiet)
     else:
         name_clear_spikes(state, even, height_of(mean), seed)
     if loud or state.contamination is not None:
@@ -89,15 +91,19 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
     return False
 
 
-def _name_tall_spikes(
-    state: Investigation, tall: Bool[np.ndarray, " looked_at"], seed: int
-) -> None:
+def _name_tall_spikes(state: Investigation, seed: int) -> None:
     """Name spikes that hide the rest, by what is made white without them."""
-    heights = take_out_spikes(state, tall)
+    recorded = state.values
+    tall, errors = take_out_spikes(state)
+    if not tall.any():
+        return
     mean = level(state.left, state.variance)
-    even = _white(state, ())
-    even[tall] = heights * height_of(mean)
-    name_spikes(state, even, mean, seed)
+    even, others = _white(state, ()), Others(state)
+    height = height_of(mean) if others.white else others.height
+    even[tall] = errors * height
+    name_spikes(state, even, mean, height, seed)
+    if state.contamination is None:
+        put_back(state, recorded)
     refit(state)
 
 
@@ -229,8 +235,15 @@ def forget_loud_times(state: Investigation) -> None:
 
 def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray, " looked_at"]:
     """What is asked whether it lasts."""
+    # What comes in place of wrong samples behind a filter may be off by more than the little that
+    # it leaves.
+    mended = state.contamination is not None and not Others(state).white
+    share = _HEARD if mended else 1.0
     return np.concatenate(
-        [without_ends(whitened_piece(state, piece, notches)) for piece in state.long_pieces]
+        [
+            without_ends(whitened_piece(state, piece, notches, share=share))
+            for piece in state.long_pieces
+        ]
     )
 
 

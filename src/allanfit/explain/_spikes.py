@@ -6,10 +6,10 @@ from scipy.fft import irfft
 
 from ..recording._spikes import alone
 from . import _discrete
+from ._alone import Others, behind_filter, read_again
 from ._contamination import Contamination, contamination
 from ._held_out_values import of_events, of_spikes
-from ._ordinates import amplitudes
-from ._refit import rebin, refit
+from ._refit import refit
 from ._skewness import leans
 from ._state import Finding, Investigation
 from ._whiten import END
@@ -35,37 +35,54 @@ _TALL = 30.0
 _BESIDE, _BEYOND = 4, 1.5
 
 
-def tall_spikes(state: Investigation) -> Bool[np.ndarray, " looked_at"]:
-    """Single samples so tall that nothing else can be told beside them."""
-    found = np.zeros(state.looked_at.size, bool)
-    begin = 0
-    if state.contamination is None and state.format.normal:
-        for start, stop in state.long_pieces:
-            found[begin + alone(state.values[start:stop], _TALL)[0]] = True
-            begin += stop - start
-    return found
-
-
 def take_out_spikes(
-    state: Investigation, spikes: Bool[np.ndarray, " looked_at"]
-) -> Float[np.ndarray, " spikes"]:
-    """Put neighbours' means in place of spikes, and tell how far from there they were [u]."""
-    at = state.looked_at[spikes]
-    before = state.values[at]
-    _excise(state, spikes, 0.0, 0)
+    state: Investigation,
+) -> tuple[Bool[np.ndarray, " looked_at"], Float[np.ndarray, " spikes"]]:
+    """Take out single samples beside which nothing else can be told, whether named or not.
+
+    Neighbours' means come in their place, or behind a filter what all others expect. Second, how
+    far from there they were [u].
+    """
+    found = np.zeros(state.looked_at.size, bool)
+    if state.contamination is not None or not state.format.normal:
+        return found, np.zeros(0)
+    begin = 0
+    for start, stop in state.long_pieces:
+        found[begin + alone(state.values[start:stop], _TALL)[0]] = True
+        begin += stop - start
+    recorded = state.values
+    behind = behind_filter(state, found)
+    found = found if behind is None else behind[0]
+    if not found.any():
+        return found, np.zeros(0)
+    if behind is None:
+        _excise(state, found, 0.0, 0)
+    else:
+        state.values = behind[1]
+        read_again(state)
     refit(state)
-    return before - state.values[at]
+    at = state.looked_at[found]
+    return found, recorded[at] - state.values[at]
+
+
+def put_back(state: Investigation, values: Float[np.ndarray, " samples"]) -> None:
+    """Values that were taken out for nothing."""
+    state.values = values
+    read_again(state)
+    refit(state)
 
 
 def name_spikes(
     state: Investigation,
     even: Float[np.ndarray, " looked_at"],
     mean: Float[np.ndarray, " ordinates"],
+    height: float,
     seed: int,
     quiet: Bool[np.ndarray, " looked_at"] | None = None,
 ) -> None:
     """Name values that are larger than normal noise has them, and count them out of N.
 
+    A spike of one unit stands `height` tall among what is `even`.
     Where there are loud times, the `quiet` ones have to have them too: vibration is not normal.
     """
     if state.contamination is not None:
@@ -85,7 +102,6 @@ def name_spikes(
         return
     if quiet is not None and contamination(even[quiet], seed, boxes).p_value > _IN_QUIET:
         return
-    height = height_of(mean)
     _take_spikes(state, spiky, height)
     state.gains["outliers"] = of_spikes(even, boxes, seed)
     state.leans = leans(even, spiky.fraction)
@@ -116,7 +132,7 @@ def name_clear_spikes(
     if clear.mean() < _RARE:
         wrong = _discrete.unseen(spiky)
         state.values = _discrete.replaced(state.values, state.looked_at[clear], seed)
-        _read_again(state)
+        read_again(state)
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
     state.foreign += max(wrong, 0.0) / height**2
@@ -185,21 +201,17 @@ def _excise(
     """Put neighbours' means with noise of their own in place of spikes, for the analysis alone.
 
     Of the standard `deviation` of the noise without spikes [u]: else the spectrum would lack what
-    was replaced.
+    was replaced. Behind a filter the means would be more wrong than the noise is, and all others
+    leave nearly nothing open: what they expect comes in place.
     """
-    noise = deviation * np.random.default_rng(seed).normal(size=clear.sum())
-    values = state.values.copy()
-    good, wrong = state.looked_at[~clear], state.looked_at[clear]
-    for at, own in zip(wrong, noise, strict=True):
-        place = int(np.searchsorted(good, at))
-        near = good[max(place - _BESIDE, 0) : place + _BESIDE]
-        values[at] = values[near].mean() + own
+    others = Others(state)
+    values = state.values.copy() if others.white else others.filled(state, clear)
+    if others.white:
+        noise = deviation * np.random.default_rng(seed).normal(size=clear.sum())
+        good, wrong = state.looked_at[~clear], state.looked_at[clear]
+        for at, own in zip(wrong, noise, strict=True):
+            place = int(np.searchsorted(good, at))
+            near = good[max(place - _BESIDE, 0) : place + _BESIDE]
+            values[at] = values[near].mean() + own
     state.values = values
-    _read_again(state)
-
-
-def _read_again(state: Investigation) -> None:
-    """The spectrum of the values as they are now."""
-    parts = tuple(state.values[start:stop] for start, stop in state.pieces)
-    state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
-    rebin(state)
+    read_again(state)

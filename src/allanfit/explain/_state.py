@@ -292,8 +292,13 @@ def whitened_pieces(
 
 
 def whitened_piece(
-    state: Investigation, piece: tuple[int, int], notches=(), *, model_only: bool = False
+    state: Investigation,
+    piece: tuple[int, int],
+    notches=(),
+    *,
+    model_only: bool = False,
+    share: float = 1.0,
 ) -> np.ndarray:
     """A stretch less the courses, made white; by the model alone, or by what is left of it too."""
     expected = state.variance if model_only else level(state.left, state.variance)
-    return whitened(state.calm[piece[0] : piece[1]], state.left, expected, notches)
+    return whitened(state.calm[piece[0] : piece[1]], state.left, expected, notches, share)

@@ -56,18 +56,37 @@ def whitened(
     spectrum: Ordinates,
     expected: Float[np.ndarray, " ordinates"],
     notches: tuple[float, ...] = (),
+    share: float = 1.0,
 ) -> Float[np.ndarray, " samples"]:
-    """One stretch with unit variance at all frequencies; zero at `notches` [cycles per sample]."""
-    coefficients = np.asarray(dct(piece - piece.mean(), norm="ortho"))
-    frequency = np.arange(piece.size) / (2 * piece.size)
-    # An ordinate is 2 c^2.
-    variance = np.interp(frequency, spectrum.frequency, expected) / 2
-    coefficients /= np.sqrt(variance)
-    coefficients[:_DROPPED] = 0.0
-    coefficients[~spectrum.clean(frequency)] = 0.0
+    """One stretch with unit variance at all frequencies; zero at `notches` [cycles per sample].
+
+    Above a `share` of the modes, where noise is weakest, they are not amplified more than there.
+    """
+    gain = np.sqrt(precision(piece.size, spectrum, expected))
+    gain = np.minimum(gain, np.quantile(gain, share))
     for notch in notches:
-        coefficients[np.abs(frequency - notch) < 2.5 / piece.size] = 0.0
-    return np.asarray(idct(coefficients, norm="ortho"))
+        gain[np.abs(np.arange(piece.size) / (2 * piece.size) - notch) < 2.5 / piece.size] = 0.0
+    return shaped(piece, gain)
+
+
+def precision(
+    samples: int, spectrum: Ordinates, expected: Float[np.ndarray, " ordinates"]
+) -> Float[np.ndarray, " samples"]:
+    """One over the variance of each mode of a stretch [1/u^2], zero where none is known."""
+    frequency = np.arange(samples) / (2 * samples)
+    # An ordinate is 2 c^2.
+    found = 2 / np.interp(frequency, spectrum.frequency, expected)
+    found[:_DROPPED] = 0.0
+    found[~spectrum.clean(frequency)] = 0.0
+    return found
+
+
+def shaped(
+    piece: Float[np.ndarray, " samples"], gain: Float[np.ndarray, " samples"]
+) -> Float[np.ndarray, " samples"]:
+    """One stretch with each of its modes times its `gain`."""
+    coefficients = np.asarray(dct(piece - piece.mean(), norm="ortho"))
+    return np.asarray(idct(coefficients * gain, norm="ortho"))
 
 
 def without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
