@@ -16,7 +16,7 @@ from scipy.stats import binom, norm
 from ._ordinates import amplitudes
 from ._refit import rebin, refit
 from ._state import Investigation
-from ._whiten import END, level, precision, shaped
+from ._whiten import END, level, mode_frequency, precision, shaped
 
 # A white record shows a wrong sample in one place if it keeps so much of its height.
 _WHITE = 0.9
@@ -56,7 +56,7 @@ class Others:
         begins = np.cumsum(self._sizes)[:-1]
         return np.concatenate(
             [
-                shaped(piece, np.where(_frequency(piece.size) < slowest, 0.0, weights))
+                shaped(piece, np.where(mode_frequency(piece.size) < slowest, 0.0, weights))
                 for piece, weights in zip(np.split(values, begins), self._weights, strict=True)
             ]
         )
@@ -94,8 +94,8 @@ class Others:
         nothing. The `values` are without the errors.
         """
         slowest = 1 / (2 * _NEAR)
-        fast = [np.where(_frequency(w.size) < slowest, 0.0, w) for w in self._weights]
-        swing = [4 * np.sin(np.pi * np.maximum(_frequency(w.size), slowest)) ** 2 for w in fast]
+        fast = [np.where(mode_frequency(w.size) < slowest, 0.0, w) for w in self._weights]
+        swing = [4 * np.sin(np.pi * np.maximum(mode_frequency(w.size), slowest)) ** 2 for w in fast]
         spike = float(np.mean(np.concatenate(fast)))
         step = np.mean(np.concatenate([w / each for w, each in zip(fast, swing, strict=True)]))
         # A step is the sum of errors from its place on. That of the error itself is symmetric.
@@ -200,7 +200,3 @@ def read_again(state: Investigation) -> None:
     parts = tuple(state.values[start:stop] for start, stop in state.pieces)
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
     rebin(state)
-
-
-def _frequency(samples: int) -> Float[np.ndarray, " ordinates"]:
-    return np.arange(samples) / (2 * samples)

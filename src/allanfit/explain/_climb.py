@@ -174,11 +174,14 @@ def noise_at(
     data: Data,
 ) -> Float[np.ndarray, " frequencies"]:
     """What an added noise puts into single ordinates [u^2], at frequencies in cycles per sample."""
-    # Lengths are filled up, so that few are compiled.
-    missing = -len(frequency) % _LENGTH
-    nodes = points(np.pad(frequency, (0, missing), mode="edge"))
+    nodes = _filled_up(frequency)
     density = _evaluated(_density, name, np.asarray(three)[None], nodes, data.samples)[0]
     return density[: len(frequency)] * left_of(name, frequency, data.averaging)
+
+
+def _filled_up(frequency: Float[np.ndarray, " frequencies"]) -> Any:
+    """Nodes at single frequencies, of a length that is one of few, so that few are compiled."""
+    return points(np.pad(frequency, (0, -len(frequency) % _LENGTH), mode="edge"))
 
 
 def gain_at(
@@ -191,8 +194,7 @@ def gain_at(
     """What the filter passes of an added noise at single ordinates: all, unless it comes last."""
     if kinds.shaping is None or not _passes(name, kinds):
         return np.ones(len(frequency))
-    missing = -len(frequency) % _LENGTH
-    nodes = points(np.pad(frequency, (0, missing), mode="edge"))
+    nodes = _filled_up(frequency)
     three = theta[None, TERMS : TERMS + EACH]
     passed = _evaluated(_gains, without_droop(kinds.shaping), three, nodes, data.samples)[1]
     return passed[0, : len(frequency)]

@@ -65,15 +65,20 @@ def whitened(
     gain = np.sqrt(precision(piece.size, spectrum, expected))
     gain = np.minimum(gain, np.quantile(gain, share))
     for notch in notches:
-        gain[np.abs(np.arange(piece.size) / (2 * piece.size) - notch) < 2.5 / piece.size] = 0.0
+        gain[np.abs(mode_frequency(piece.size) - notch) < 2.5 / piece.size] = 0.0
     return shaped(piece, gain)
+
+
+def mode_frequency(samples: int) -> Float[np.ndarray, " samples"]:
+    """Of each mode of a stretch [cycles per sample]."""
+    return np.arange(samples) / (2 * samples)
 
 
 def precision(
     samples: int, spectrum: Ordinates, expected: Float[np.ndarray, " ordinates"]
 ) -> Float[np.ndarray, " samples"]:
     """One over the variance of each mode of a stretch [1/u^2], zero where none is known."""
-    frequency = np.arange(samples) / (2 * samples)
+    frequency = mode_frequency(samples)
     # An ordinate is 2 c^2.
     found = 2 / np.interp(frequency, spectrum.frequency, expected)
     found[:_DROPPED] = 0.0

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import AbstractEffect, Parameter, Range
+from ._effect import FRACTION, AbstractEffect, Parameter
 from ._term import Sampling
 
 
@@ -19,9 +19,7 @@ class DroppedSamples(AbstractEffect):
 
     fraction: Float[Array, ""]
     name: ClassVar[str] = "dropped_samples"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("fraction", "", range=Range(0.0, 0.99, "between 0 and 0.99")),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("fraction", "", range=FRACTION),)
     what: ClassVar[str] = "samples that are missing"
     origin: ClassVar[str] = "a bus or a logger that cannot keep up"
 

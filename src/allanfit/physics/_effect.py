@@ -26,6 +26,7 @@ class Range(NamedTuple):
 
 ABOVE_ZERO = Range(math.ulp(0.0), math.inf, "above zero")
 ZERO_OR_MORE = Range(0.0, math.inf, "zero or more")
+FRACTION = Range(0.0, 0.99, "between 0 and 0.99")
 SIGNED = Range(-math.inf, math.inf, "a number")
 
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from ._effect import SIGNED, AbstractEffect, Parameter, Range
+from ._effect import FRACTION, SIGNED, AbstractEffect, Parameter
 from ._term import Sampling
 
 
@@ -20,7 +20,7 @@ class Outliers(AbstractEffect):
     amplitude: Float[Array, ""]
     name: ClassVar[str] = "outliers"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("fraction", "", range=Range(0.0, 0.99, "between 0 and 0.99")),
+        Parameter("fraction", "", range=FRACTION),
         Parameter("amplitude", "u", range=SIGNED),
     )
     what: ClassVar[str] = "outliers"
