@@ -63,7 +63,8 @@ def whitened(
     Above a `share` of the modes, where noise is weakest, they are not amplified more than there.
     """
     gain = np.sqrt(precision(piece.size, spectrum, expected))
-    gain = np.minimum(gain, np.quantile(gain, share))
+    if share < 1:
+        gain = np.minimum(gain, np.quantile(gain, share))
     for notch in notches:
         gain[np.abs(mode_frequency(piece.size) - notch) < 2.5 / piece.size] = 0.0
     return shaped(piece, gain)
