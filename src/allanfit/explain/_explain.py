@@ -8,6 +8,7 @@ import numpy as np
 
 from ..curves import unit_scale
 from ..identify import fit_series
+from ..identify._fit_document import finite
 from ..physics import Sampling
 from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside
@@ -16,7 +17,7 @@ from ._averaged import averaged
 from ._closed_up import closed_up
 from ._effect import Effect
 from ._effects import effects_of
-from ._explanation import ChannelExplanation, Explanation, finite
+from ._explanation import ChannelExplanation, Explanation
 from ._held_out import held_out
 from ._investigate import ALARM, investigate
 from ._misfit import goodness

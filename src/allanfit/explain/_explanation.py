@@ -9,7 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from ..identify import ChannelFit, Fit
-from ..identify._recording_fit import channel_header, coefficients_document, recording_document
+from ..identify._fit_document import (
+    channel_header,
+    coefficients_document,
+    finite,
+    recording_document,
+)
 from ..physics import EFFECTS, held_factor, parameter_unit, unit_power
 from ..recording import Channel, Recording
 from ._compare import compared
@@ -275,8 +280,3 @@ class Explanation:
 
 def _plain(name: str) -> str:
     return name.replace("gauss_markov", "Gauss-Markov").replace("_", " ")
-
-
-def finite(value: Any) -> float | None:
-    """None for what is no number: JSON knows no NaN."""
-    return float(value) if math.isfinite(float(value)) else None

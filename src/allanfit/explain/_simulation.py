@@ -8,7 +8,7 @@ from jaxtyping import Float
 from ..curves import unit_scale
 from ..identify import Fit
 from ..identify._curves_document import listed
-from ..identify._recording_fit import coefficients_document, exact_document
+from ..identify._fit_document import coefficients_document, exact_document
 from ..physics import SYMBOLS
 from ..recording import Channel
 from ._references import Reference

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..identify import ChannelFit, RecordingFit
-from ..identify._recording_fit import channel_header, coefficients_document
+from ..identify._fit_document import channel_header, coefficients_document
 from ..physics import SYMBOLS
 from ._devices import places
 

@@ -1,10 +1,8 @@
-"""A whole recording: every channel fitted, with findings, and its JSON document."""
+"""A whole recording: every channel fitted, with findings."""
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
-from typing import Any, Literal, Protocol, overload, runtime_checkable
+from typing import Any, Literal, overload
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,9 +11,8 @@ from jaxtyping import Array, Float
 from ..coefficients import CONVERGED, NOT_CONVERGED
 from ..curves import octaves, read_slopes
 from ..datasheet import Datasheet, Judged, Shown, datasheet_document, judge
-from ..physics import STANDARD_TERMS, Names, Sampling, coefficient_unit
+from ..physics import STANDARD_TERMS, Sampling
 from ..recording import Channel, Recording
-from ..recording._checks import usable
 from ..temperature import (
     ChannelTemperature,
     Treatment,
@@ -26,6 +23,7 @@ from ..temperature import (
 )
 from ._curves_document import curves_document
 from ._fit import Fit, fit_series
+from ._fit_document import channel_header, coefficients_document, finite, recording_document
 from ._goodness import MISFIT
 from ._influence import Influence, influence
 from ._influence_document import influence_document, influence_findings
@@ -37,15 +35,6 @@ _DEFICIT = 3.0
 # Pieces whose influence is told, if each has as many samples.
 _PIECES = 60
 _SAMPLES_A_PIECE = 16
-
-
-@runtime_checkable
-class Document(Protocol):
-    """Anything that is told in JSON."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -137,7 +126,7 @@ class ChannelFit:
             "status": CONVERGED if bool(result.converged) else NOT_CONVERGED,
             "coefficients": coefficients_document(result, channel),
             "goodness_of_fit": {
-                "p_value": _number(result.goodness_of_fit),
+                "p_value": finite(result.goodness_of_fit),
                 "consistent": bool(result.goodness_of_fit >= MISFIT),
             },
             "curves": curves_document(result, channel.factor),
@@ -175,7 +164,7 @@ class ChannelFit:
         deviation = jnp.sqrt(self.fit.estimate.statistics.allan[shown])
         tau_s = jnp.asarray(sizes / float(self.fit.rate_hz), deviation.dtype)
         reading = read_slopes(tau_s, deviation / self.channel.factor)
-        return {symbol: _number(value) for symbol, value in reading.items()}
+        return {symbol: finite(value) for symbol, value in reading.items()}
 
     def _both(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """The coefficients with the effect of temperature in the data, and without it."""
@@ -314,76 +303,6 @@ def series_fit(result: Fit, name: str = "data", unit: str = "") -> RecordingFit:
     return RecordingFit(recording, (ChannelFit(channel, result, None),))
 
 
-def recording_document(
-    schema: str, recording: Recording, channels: Sequence[Document]
-) -> dict[str, Any]:
-    """The JSON of any analysis of a recording, an entry a channel."""
-    return {
-        "schema": schema,
-        "recording": recording.name,
-        "checksum": recording.checksum,
-        "allanfit_version": version("allanfit"),
-        "findings": list(recording.findings),
-        "channels": [channel.to_dict() for channel in channels],
-    }
-
-
-def channel_header(channel: Channel, result: Fit) -> dict[str, Any]:
-    """What begins a channel's entry: what it is, in the unit that the user gave."""
-    used = sum(result.design.lengths)
-    return {
-        "channel": channel.name,
-        "unit": channel.unit,
-        "si_unit": channel.si_unit,
-        "kind": channel.kind,
-        "rate_hz": float(result.rate_hz),
-        "samples": used,
-        "duration_s": used / float(result.rate_hz),
-        "sampling": result.design.sampling,
-        "mean": float(np.mean(usable(channel.samples, channel.stretches))) / channel.factor,
-    }
-
-
-def coefficients_document(result: Fit, channel: Channel) -> dict[str, Any]:
-    """The `coefficients` of the fit JSON, in the unit that the user gave."""
-    factor = channel.factor
-    values, limits, resolved = result.coefficients, result.upper_limits, result.resolved
-    intervals = {"0.68": result.interval(0.68), "0.95": result.interval(0.95)}
-    document = {}
-    for term in STANDARD_TERMS:
-        symbol = term.symbol
-        seen = bool(resolved[symbol])
-        document[symbol] = {
-            "name": _name(term.names, channel.kind),
-            "unit": coefficient_unit(term, channel.unit),
-            "value": _number(values[symbol] / factor),
-            "least_squares": _number(result.least_squares[symbol] / factor),
-            "resolved": seen,
-            "upper_limit_95": None if seen else _number(limits[symbol] / factor),
-            "intervals": {
-                level: [_number(end / factor) for end in interval[symbol]]
-                for level, interval in intervals.items()
-            },
-        }
-    return document
-
-
-def exact_document(values: Mapping[str, float], channel: Channel) -> dict[str, Any]:
-    """As `coefficients_document`, of coefficients [SI] that somebody has set: without intervals."""
-    return {
-        term.symbol: {
-            "name": _name(term.names, channel.kind),
-            "unit": coefficient_unit(term, channel.unit),
-            "value": values[term.symbol] / channel.factor,
-            "least_squares": values[term.symbol] / channel.factor,
-            "resolved": True,
-            "upper_limit_95": None,
-            "intervals": {},
-        }
-        for term in STANDARD_TERMS
-    }
-
-
 def _influence(
     samples: np.ndarray, stretches: tuple[tuple[int, int], ...], result: Fit
 ) -> Influence | None:
@@ -391,11 +310,3 @@ def _influence(
         return None
     pieces = min(_PIECES, sum(result.design.lengths) // _SAMPLES_A_PIECE)
     return influence(result, samples, stretches, pieces=pieces)
-
-
-def _name(names: Names, kind: str) -> str:
-    return {"gyro": names.gyro, "accelerometer": names.accelerometer}.get(kind, names.other)
-
-
-def _number(value: Any) -> float | None:
-    return float(value) if math.isfinite(value) else None
