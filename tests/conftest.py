@@ -17,6 +17,8 @@ def pytest_configure(config: pytest.Config) -> None:
     shorten_compilation(folder)
     # For the commands that tests start.
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
+    # For the processes that test side by side: of threads for small matrices one waits for another.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 @pytest.fixture(scope="session")

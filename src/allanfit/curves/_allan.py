@@ -24,7 +24,7 @@ _TRIANGLE = 32
 
 
 def allan_variance(
-    data: Float[Array, "*sensors samples"] | np.ndarray,
+    data: Float[Array, "*sensors samples"] | np.ndarray | Sequence,
     rate_hz: float,
     cluster_sizes: Sequence[int] | np.ndarray | None = None,
     *,

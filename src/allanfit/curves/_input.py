@@ -1,6 +1,7 @@
 """Checks that every curve makes of the array that it is given."""
 
 import math
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +11,7 @@ from jaxtyping import Array, Float
 
 
 def as_series(
-    data: Float[Array, "*sensors samples"] | np.ndarray, rate_hz: float
+    data: Float[Array, "*sensors samples"] | np.ndarray | Sequence, rate_hz: float
 ) -> Float[Array, "*sensors samples"]:
     """`data` as a floating array of one or two axes, of single precision at least.
 

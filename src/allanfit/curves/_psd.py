@@ -1,5 +1,6 @@
 """Power spectral density of one series, averaged over logarithmic bins."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Literal, NamedTuple
 
@@ -28,7 +29,7 @@ class Spectrum(NamedTuple):
 
 
 def psd(
-    data: Float[Array, "*sensors samples"] | np.ndarray,
+    data: Float[Array, "*sensors samples"] | np.ndarray | Sequence,
     rate_hz: float,
     *,
     taper: Taper = "mirror",

@@ -1,5 +1,6 @@
 """An array in, coefficients with intervals out."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import equinox as eqx
@@ -118,7 +119,7 @@ class Fit(eqx.Module):
 
 
 def fit_series(
-    data: Float[Array, " samples"] | np.ndarray,
+    data: Float[Array, " samples"] | np.ndarray | Sequence,
     rate_hz: float,
     *,
     sampling: Sampling = "point",

@@ -1,7 +1,7 @@
 """A batch of sensors: group after group over all devices, in bounded memory."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -24,7 +24,7 @@ _SENSORS_AT_A_TIME = 16
 
 
 def fit_many(
-    data: Float[Array, "sensors samples"] | np.ndarray,
+    data: Float[Array, "sensors samples"] | np.ndarray | Sequence,
     rate_hz: float,
     *,
     sampling: Sampling = "point",

@@ -1,6 +1,6 @@
 """A whole recording: every channel fitted, with findings."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 
@@ -272,9 +272,11 @@ def fit_recording(
 @overload
 def fit(data: Recording, **options: Any) -> RecordingFit: ...
 @overload
-def fit(data: Float[Array, " samples"] | np.ndarray, rate_hz: float, **options: Any) -> Fit: ...
 def fit(
-    data: Recording | Float[Array, " samples"] | np.ndarray,
+    data: Float[Array, " samples"] | np.ndarray | Sequence, rate_hz: float, **options: Any
+) -> Fit: ...
+def fit(
+    data: Recording | Float[Array, " samples"] | np.ndarray | Sequence,
     rate_hz: float | None = None,
     **options: Any,
 ) -> RecordingFit | Fit:
