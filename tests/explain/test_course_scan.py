@@ -19,9 +19,27 @@ def test_a_shift_begins_and_ends_where_the_mean_says():
         roughly[start - 700 : stop + 500] = True
     values = rng.standard_normal(samples) + shift * inside
     spectrum = ordinates((values,), "point")
-    found = sharpened(roughly, 1024, values, spectrum, np.full(spectrum.frequency.size, 2.0))
+    variance = np.full(spectrum.frequency.size, 2.0)
+    found = sharpened(roughly, 1024, values, spectrum, variance, np.zeros(samples))
     edges = np.flatnonzero(np.diff(found)) + 1
     np.testing.assert_allclose(edges, np.ravel(times), atol=40)
+
+
+def test_noise_that_knows_its_edges_is_not_moved_by_the_mean():
+    """Twice as strong within, an edge is known to some ten samples; a walk would choose others."""
+    rng, samples = np.random.default_rng(0), 100_000
+    inside = np.zeros(samples, bool)
+    inside[20_300:41_000] = inside[60_500:90_010] = True
+    noise = rng.standard_normal(samples) * np.where(inside, np.sqrt(2), 1)
+    odds = (noise**2 / 2 - np.log(2)) / 2
+    values = noise + 0.02 * np.cumsum(rng.standard_normal(samples))
+    spectrum = ordinates((values,), "point")
+    variance = 2 * 1.5 + 2 * (0.02 / (2 * np.pi * spectrum.frequency)) ** 2
+    by_mean, by_both = (
+        sharpened(inside, 2048, values, spectrum, variance, each) for each in (0 * odds, odds)
+    )
+    assert np.sum(by_mean != inside) > 500
+    assert np.sum(by_both != inside) < 200
 
 
 def test_a_step_in_a_strong_random_walk_is_proposed_where_it_is():

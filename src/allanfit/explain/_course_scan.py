@@ -339,24 +339,32 @@ def sharpened(
     values: Float[np.ndarray, " samples"],
     spectrum: Ordinates,
     variance: Float[np.ndarray, " ordinates"],
+    odds: Float[np.ndarray, " samples"],
 ) -> Bool[np.ndarray, " samples"]:
-    """Loud times of a stretch with edges where a shift of the mean beside them explains most.
+    """Loud times of a stretch with edges where a shift of the mean and the noise have them.
 
     Each edge is moved by `reach` samples at most. Noise that grows with time makes edges all that
-    is known of a shift, and a shift that begins elsewhere is found too small.
+    is known of a shift: one that begins elsewhere is found too small, and edges that only the mean
+    has chosen make it too large. `odds` is the log of how much likelier the strength of its noise
+    makes each sample of the loud times.
     """
     edges, first = np.flatnonzero(np.diff(loud)) + 1.0, bool(loud[0])
+    before = np.concatenate([[0.0], np.cumsum(odds)])
+    # Each edge is an end of loud times, or their beginning.
+    ends = np.where((np.arange(edges.size) % 2 == 1) != first, 1.0, -1.0)
     whole = [(0, values.size)]
     coarse, fine = _blocks(values, whole, _BLOCKS), _blocks(values, whole, _FINE_BLOCKS)
     # Every place first, then ever closer ones.
-    every = np.arange(-reach, reach + 1, coarse.size)
+    most = reach // coarse.size
+    every = coarse.size * np.arange(-most, most + 1)
     halves = coarse.size / 2.0 ** np.arange(max(np.log2(coarse.size / fine.size), 0) + 1)
-    closer = [half * np.array([-1, 0, 1]) for half in halves]
+    closer = [half * np.array([-1, 0, 1]) for half in halves if half <= reach]
     for blocks, rounds in ((coarse, [every, every]), (fine, closer)):
         scan, time = blocks.scan(spectrum, variance), blocks.time
 
         def gain(at: Float[np.ndarray, " edges"], scan: _Scan = scan, time=time) -> float:
-            return scan.gain(_between(at, time, first)[:, None].astype(float))
+            told = 2 * ends @ before[np.clip(np.round(at).astype(int), 0, odds.size)]
+            return scan.gain(_between(at, time, first)[:, None].astype(float)) + float(told)
 
         for moves in rounds:
             for i in range(edges.size):

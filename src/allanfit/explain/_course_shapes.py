@@ -88,19 +88,24 @@ def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulati
         return course, changing
     sized = with_course(state, course)
     variance = _means.ordinate_variance(state.spectrum, sized.model, sized.data)
-    loud = state.flags(changing.loud)
+    loud, odds = state.flags(changing.loud), np.zeros(state.values.size)
+    if changing.odds is not None:
+        odds[state.looked_at] = changing.odds
     for piece in state.long_pieces:
         inside = slice(*piece)
         loud[inside] = sharpened(
-            loud[inside], changing.window, state.values[inside], state.spectrum, variance
+            loud[inside],
+            changing.window,
+            state.values[inside],
+            state.spectrum,
+            variance,
+            odds[inside],
         )
     moved = changing._replace(loud=loud[state.looked_at])
     shape = loudness(state, moved)
     better = course._replace(draw=lambda: shape)
-    edges = np.count_nonzero(np.diff(loud))
-    # What vibrates is known to begin and end within few samples.
-    price = 2 * edges * np.log(2 * changing.window) if state.vibration is not None else 0.0
-    if evidence(state, better)[0] < evidence(state, course)[0] + price:
+    told = 2 * float(odds[loud].sum() - odds[state.flags(changing.loud)].sum())
+    if evidence(state, better)[0] + told < evidence(state, course)[0]:
         return course, changing
     return better, moved
 

@@ -60,7 +60,7 @@ def change(
     told = telling(state)
     heard = white[told] / white[told].std()
     # Rounded noise is followed between two levels, and no further.
-    found = modulation(heard, seed)._replace(strength=None, extremes=None)
+    found = modulation(heard, seed)._replace(strength=None, extremes=None, odds=None)
     codes = codes_over_noise(state)
     lasts = codes > LASTING or found.ratio**2 - 1 < _MORE * (_own_change(codes) - 1)
     loud = as_held(found.loud, told, white.size)

@@ -79,6 +79,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
             state.values, state.vibration = state.vibration.recorded, None
         return True
     if loud and vibrating is None:
+        changing = changing.sharp()
         _count_out(state, changing)
         _name_loud_times(state, changing, of_loud_times(heard, seed))
     if state.format.normal:
@@ -208,8 +209,9 @@ def _modulation_of_n(
     # The less likely one says when it is loud, unless it cannot.
     if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -slow.p_value):
         return found._replace(p_value=p_value), white
-    of = of_samples(np.arange(sums.size), size, white.size)
-    return slow.of(of)._replace(window=slow.window * size, p_value=p_value), sums
+    found = slow.of(of_samples(np.arange(sums.size), size, white.size))
+    odds = None if found.odds is None else found.odds / size
+    return found._replace(window=slow.window * size, p_value=p_value, odds=odds), sums
 
 
 def _samples_of_n(state: Investigation) -> int:

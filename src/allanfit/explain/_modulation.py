@@ -51,11 +51,31 @@ class Modulation(NamedTuple):
     #: the quiet times, and draws of the largest over the smallest.
     strength: Float[np.ndarray, " samples"] | None = None
     extremes: Float[np.ndarray, " draws"] | None = None
+    #: The log of how much likelier each sample is of the loud times, where two levels tell.
+    odds: Float[np.ndarray, " samples"] | None = None
 
     def of(self, kept: Shaped[np.ndarray, " _"]) -> "Modulation":
         """The same of some of the samples, by flags or by their places."""
         strength = None if self.strength is None else self.strength[kept]
-        return self._replace(loud=self.loud[kept], strength=strength)
+        odds = None if self.odds is None else self.odds[kept]
+        return self._replace(loud=self.loud[kept], strength=strength, odds=odds)
+
+    def sharp(self) -> "Modulation":
+        """With each edge of the loud times where the likelihood has it, a window away at most.
+
+        What is cut out as a knock is not sharp: its tail is quieter.
+        """
+        if self.odds is None:
+            return self
+        before = np.concatenate([[0.0], np.cumsum(self.odds)])
+        edges, last = np.flatnonzero(np.diff(self.loud)) + 1, self.loud.size - 1
+        for i, edge in enumerate(edges):
+            low = max(edge - self.window, edges[i - 1] + 1 if i else 1)
+            high = min(edge + self.window, edges[i + 1] - 1 if i + 1 < edges.size else last)
+            sign = -1 if self.loud[edge] else 1
+            edges[i] = low + int(np.argmax(sign * before[low : high + 1]))
+        within = np.searchsorted(edges, np.arange(self.loud.size), side="right") % 2 == 1
+        return self._replace(loud=within != self.loud[0])
 
     def deviation(self) -> Float[np.ndarray, " samples"]:
         """Of each sample, over that of the quiet times."""
@@ -128,14 +148,16 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     path = labels > 0
     samples = of_samples(path, window, white.size)
     quiet = loud = float(power.mean())
+    odds = None
     if path.any():
         quiet, loud = _variances(white, samples.astype(int), window)
+        odds = _odds(white, quiet, loud)
     rng = np.random.default_rng(seed)
     freedom = np.maximum([np.sum(~path) * weight, np.sum(path) * weight], 2)
     spread = np.sqrt(2 / freedom)
     log_ratio = np.log(loud / quiet) / 2
     draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
-    found = Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value)
+    found = Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value, odds=odds)
     return _with_strength(found, white, labels, weight, seed) if p_value < _UNEVEN else found
 
 
@@ -144,6 +166,12 @@ def of_samples(
 ) -> Shaped[np.ndarray, " samples"]:
     """What is true of windows, of their samples; of those beyond the last, what is of it."""
     return windows[np.minimum(np.arange(samples) // window, windows.size - 1)]
+
+
+def _odds(white: Samples, quiet: float, loud: float) -> Samples:
+    """The log of how much likelier each sample is with the variance of the loud times."""
+    squares = np.minimum(white**2, PULLED_IN**2 * max(quiet, loud))
+    return (squares * (1 / quiet - 1 / loud) - np.log(loud / quiet)) / 2
 
 
 def _variances(

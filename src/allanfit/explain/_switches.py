@@ -5,14 +5,16 @@ from jaxtyping import Bool, Float
 
 from . import _means, _search
 from ._climb import gain_at, noise_at
+from ._course_shapes import draw_courses
 from ._ordinates import ordinates
 from ._state import Investigation
 from ._structure import EACH, shape_of
 from ._telegraph import Levels, two_levels
 from ._whiten import level, whitened
 
-# A step is a switch if its height is that between the levels, within so much of it.
-_ALIKE = 0.35
+# A step is a switch if its height is that between the levels, within so much of it and so many of
+# its standard deviations, which so many draws give.
+_ALIKE, _DEVIATIONS, _DRAWS = 0.35, 2.0, 400
 # Without its switches a time is as quiet as others if it is no louder, in power, by this.
 _LOUD = 1.5
 
@@ -49,8 +51,10 @@ def switches_only(state: Investigation, whole: Investigation, seed: int) -> bool
         return False
     spread = levels.upper * (1 - levels.upper)
     height = float(np.exp(three[0] / 2)) / np.sqrt(spread)
-    heights = [abs(size) for size in _step_heights(state)]
-    if any(abs(each - height) > _ALIKE * height for each in heights):
+    if any(
+        abs(abs(each) - height) > _ALIKE * height + _DEVIATIONS * deviation
+        for each, deviation in _step_heights(state, seed)
+    ):
         return False
     return not state.knocks or _quiet_without(whole, levels, height, constant, state.knocks)
 
@@ -104,12 +108,13 @@ def _levels_in_time(
     return path
 
 
-def _step_heights(state: Investigation) -> list[float]:
+def _step_heights(state: Investigation, seed: int) -> list[tuple[float, float]]:
+    """The height of each step, with its standard deviation."""
     if state.sized is None:
         return []
-    ends = np.cumsum([course.sizes for course in state.courses])
+    columns, _ = draw_courses(state, np.random.default_rng(seed), _DRAWS)
     return [
-        float(state.sized.sizes[end - 1])
-        for course, end in zip(state.courses, ends, strict=True)
+        (float(np.mean(sizes)), float(np.std(sizes)))
+        for course, sizes in zip(state.courses, columns, strict=True)
         if course.name == "step"
     ]

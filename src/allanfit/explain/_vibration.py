@@ -71,7 +71,7 @@ def vibration(
     loud by white noise, or by more of what there is, or by a line, as well; and where there is no
     telling what else is slow.
     """
-    loud = _sharper(changing.loud, changing.window, white)
+    loud = changing.sharp().loud.copy()
     for start, stop in runs(loud):
         # Too brief to show a spectrum: a knock, perhaps.
         loud[start:stop] = stop - start >= 2 * TILE
@@ -212,23 +212,3 @@ def away_from_edges(
     for start, stop in runs(flags):
         apart[start:stop] = not near[start:stop].any()
     return apart
-
-
-def _sharper(
-    loud: Bool[np.ndarray, " looked_at"], window: int, white: Float[np.ndarray, " looked_at"]
-) -> Bool[np.ndarray, " looked_at"]:
-    """Loud times that begin and end where their squares say so, a window away at most."""
-    strong, weak = np.mean(white[loud] ** 2), np.mean(white[~loud] ** 2)
-    # What each sample adds to the log-likelihood if it is loud.
-    each = (white**2 * (1 / weak - 1 / strong) - np.log(strong / weak)) / 2
-    total = np.concatenate([[0.0], np.cumsum(each)])
-    sharp = np.zeros(loud.size, bool)
-    for start, stop in runs(loud):
-        half = max(min(window, (stop - start) // 2), 1)
-        low, high = max(start - window, 0), stop - half
-        first = start if start == 0 else low + int(np.argmin(total[low : start + half]))
-        last = stop
-        if stop < loud.size:
-            last = high + int(np.argmax(total[high : min(stop + window, loud.size)]))
-        sharp[first:last] = True
-    return sharp
