@@ -20,10 +20,10 @@ from rich.progress import track
 
 from allanfit.curves import unit_scale
 from allanfit.explain._investigate import ALARM
-from allanfit.explain._lasting import about_spread
-from allanfit.explain._rounded import about_format
 from allanfit.explain._rounds import course_options, line_options, smooth_options
 from allanfit.explain._state import begin
+from allanfit.explain.strength._lasting import about_spread
+from allanfit.explain.values._rounded import about_format
 from allanfit.identify import fit_series
 
 from .concealed._device import PROFILES, Surroundings, draw_device, simulate

@@ -10,7 +10,7 @@ from allanfit.cli import main
 from allanfit.coefficients import read_coefficients
 from allanfit.datasheet import DatasheetError
 from allanfit.datasheet._phrase import parse_phrase
-from allanfit.explain._references import references
+from allanfit.explain.simulation._references import references
 from allanfit.recording import Channel, Recording
 
 DEGREE = math.pi / 180

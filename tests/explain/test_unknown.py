@@ -6,9 +6,9 @@ from scipy.signal import butter, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
-from allanfit.explain._changing_lines import _even, _pulse
-from allanfit.explain._held_out_values import of_codes, of_events, of_spikes, of_swing
-from allanfit.explain._moving import Band
+from allanfit.explain.lines._changing import _even, _pulse
+from allanfit.explain.lines._moving import Band
+from allanfit.explain.values._held_out import of_codes, of_events, of_spikes, of_swing
 
 # The length and rate of test_explain, for one compilation.
 RATE, SAMPLES = 50.0, 30_000

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from allanfit.explain._contamination import contamination, log_body
-from allanfit.explain._format import sample_format
 from allanfit.explain._intervals import runs
-from allanfit.explain._lines import refine, scan
-from allanfit.explain._modulation import modulation, uneven
-from allanfit.explain._rounded import about_format
 from allanfit.explain._state import begin
+from allanfit.explain.lines._lines import refine, scan
+from allanfit.explain.strength._modulation import modulation, uneven
+from allanfit.explain.values._contamination import contamination, log_body
+from allanfit.explain.values._format import sample_format
+from allanfit.explain.values._rounded import about_format
 
 SAMPLES = 40_000
 

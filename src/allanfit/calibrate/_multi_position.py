@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.stats import chi2
 
-from ..report._format import p_value, significant
+from ..formatting import p_value, significant
 from ._gravity import checked_gravity, refuse_wrong_unit
 from ._intervals import Intervals, normal_intervals, student_intervals
 from ._known_attitude import attitude_columns, fit_attitudes

@@ -4,10 +4,10 @@ import os
 from importlib.metadata import version
 from typing import Any
 
+from ..formatting import significant
 from ..report._errors import report_extra
 from ..report._figures import as_svg
 from ..report._files import write_whole
-from ..report._format import significant
 from ..report._template import drawn, render
 from ..report._units import typeset
 from ._result import AxisCalibration, Calibration

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.stats import t
 
-from ..report._format import significant
+from ..formatting import significant
 from ._intervals import student_intervals
 from ._line import straight_line
 from ._rate_file import RateData, RatePairs, RateTable, read_rate_table

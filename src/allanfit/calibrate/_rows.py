@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
+from ..formatting import Reading, reading
 from ..recording._units import parse_unit
-from ..report._format import Reading, reading
 from ._result import AxisCalibration, Calibration, Procedure, Quantity
 
 _FIELD_UNIT = {"rate-table": "deg/s", "up-down": "mg", "multi-position": "mg"}

@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from ..report._format import aligned, printable, significant
+from ..formatting import aligned, printable, significant
 from ..report._notebook import html_table, shown
 from ._result import AxisCalibration, Calibration
 from ._rows import Row, axis_rows, misalignment_rows

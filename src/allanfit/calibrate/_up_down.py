@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..formatting import duration, significant
 from ..physics import Sampling
 from ..recording import Channel, Recording
 from ..recording._units import parse_unit
-from ..report._format import duration, significant
 from ._data import Data, as_recording
 from ._gravity import checked_gravity, refuse_wrong_unit
 from ._intervals import Intervals, mixture_intervals

@@ -26,11 +26,11 @@ from ..datasheet import read_datasheet
 from ..demo import TRUTH, demonstrate
 from ..export import FORMATS, Options, parse_walk
 from ..export import export as export_fit
+from ..formatting import printable
 from ..identify import RecordingFit, fit_file, fit_recording
 from ..plan import parse_want, plan_file, plan_text
 from ..recording import contents, save
 from ..report import format_text, refuse_other_figures, write_json, write_page
-from ..report._format import printable
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
 from ._contents import contents_text

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from ..formatting import printable
 from ..recording import Topic
-from ..report._format import printable
 
 
 def contents_text(topics: Sequence[Topic]) -> str:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from ..report._format import printable
+from ..formatting import printable
 from ._options import Channels, Rate, Sampling, Seed, Topic, Unit
 from ._progress import progress_bar
 

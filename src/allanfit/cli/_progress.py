@@ -7,8 +7,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from ..formatting import printable
 from ..recording import Recording, load
-from ..report._format import printable
 
 
 def progress_bar() -> Progress:

@@ -6,8 +6,8 @@ import typer
 
 from ..coefficients import Coefficients
 from ..datasheet import left_out_of
+from ..formatting import printable
 from ..physics import AbstractEffect, Bump, Disturbance, Temperature
-from ..report._format import printable
 
 
 def tell_left_out(path: Path | None) -> None:

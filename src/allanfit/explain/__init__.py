@@ -1,6 +1,8 @@
 """What the five terms leave out of a recording: located, named, modelled and proven.
 
-Start with `explain`. The way of an investigation is told in `_investigate`.
+Start with `explain`. The way of an investigation is told in `_investigate`, which asks in this
+order what `values` tell, whether the `strength` of the noise lasts, and which `lines`, `courses` in
+time and effects of the `spectrum` there are; `simulation` compares with one.
 """
 
 from ._explain import explain as explain

@@ -14,9 +14,9 @@ from ..curves._spectrum import ramp_coefficients
 from ..identify import Fit
 from ..identify._ramp import RampData, draw_ramps
 from ..recording._checks import usable
-from ._posterior import Draws
-from ._search import rise_without
 from ._state import Investigation
+from .spectrum._posterior import Draws
+from .spectrum._search import rise_without
 
 
 def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:

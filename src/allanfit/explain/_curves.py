@@ -7,12 +7,12 @@ import numpy as np
 from ..curves import allan_variance
 from ..identify import Fit
 from ..identify._curves_document import curves_document, listed
-from ._climb import effects_density
-from ._clock import logged_density
 from ._effect import Effect
-from ._means import fallen
-from ._search import mean_density
 from ._state import Investigation
+from .courses._course import fallen
+from .spectrum._climb import effects_density
+from .spectrum._search import mean_density
+from .values._clock import logged_density
 
 _BLOCKS = 360
 _LINE_POINTS = 161

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from ..physics import LowPass
-from ._course_shapes import draw_courses
 from ._effect import Effect
-from ._jumps import jumps
-from ._line_parts import merged
-from ._means import Course
-from ._posterior import Draws
-from ._spikes import USUAL
 from ._state import Finding, Investigation, Unknown
-from ._structure import (
+from .courses._course import Course
+from .courses._jumps import jumps
+from .courses._shapes import draw_courses
+from .courses._switches import levels_of
+from .lines._parts import merged
+from .spectrum._posterior import Draws
+from .spectrum._structure import (
     DROOPING,
     EACH,
     FLAT,
@@ -26,8 +26,8 @@ from ._structure import (
     shape_of,
     sieve,
 )
-from ._switches import levels_of
-from ._value_effects import LINE, MAKERS, SURE, seconds
+from .values._effects import LINE, MAKERS, SURE, seconds
+from .values._spikes import USUAL
 
 # A slow oscillation of such a period is more likely a room's temperature than anything else.
 _ROOM_PERIOD_S = 240.0

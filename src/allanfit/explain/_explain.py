@@ -13,16 +13,16 @@ from ..physics import Sampling
 from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside
 from ._after import fit_after
-from ._averaged import averaged
-from ._closed_up import closed_up
 from ._effect import Effect
 from ._effects import effects_of
 from ._explanation import ChannelExplanation, Explanation
 from ._held_out import held_out
 from ._investigate import ALARM, investigate
 from ._misfit import goodness
-from ._posterior import sample_structure
-from ._references import references
+from .simulation._references import references
+from .spectrum._averaged import averaged
+from .spectrum._posterior import sample_structure
+from .values._closed_up import closed_up
 
 # Of what is named in the spectrum of a better model that does not fit about half is not there.
 _DOUBTED = 0.5

@@ -17,18 +17,18 @@ from ..identify._fit_document import (
 )
 from ..physics import EFFECTS, held_factor, parameter_unit, unit_power
 from ..recording import Channel, Recording
-from ._compare import compared
 from ._curves import explained_curves
 from ._effect import Effect
-from ._harmonics import Family, Line, families
 from ._held_out import HeldOut
 from ._misfit import MISFIT
 from ._mismatch import Located, Mismatch, located
-from ._references import Reference, terms_of
-from ._simulation import simulation_curves, simulation_document
 from ._state import Investigation
-from ._structure import NARROW
 from ._words import effect_sentence, family_sentence
+from .lines._harmonics import Family, Line, families
+from .simulation._compare import compared
+from .simulation._document import simulation_curves, simulation_document
+from .simulation._references import Reference, terms_of
+from .spectrum._structure import NARROW
 
 SCHEMA = "allanfit.explain/1"
 # Chance of a false alarm in a recording with nothing left out.

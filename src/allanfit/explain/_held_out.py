@@ -16,11 +16,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import hadamard
 
-from ._held_out_values import Gain
-from ._ordinates import Bins, Ordinates, binned
-from ._search import Model, best, five_terms, mean_density
-from ._structure import TERMS, Data
-from ._sums import Moved
+from .courses._sums import Moved
+from .spectrum._ordinates import Bins, Ordinates, binned
+from .spectrum._search import Model, best, five_terms, mean_density
+from .spectrum._structure import TERMS, Data
+from .values._held_out import Gain
 
 # Neighbours that are rotated lie within such a part of their frequency, and are at most so many.
 _ALIKE = 0.1

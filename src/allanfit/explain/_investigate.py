@@ -14,25 +14,25 @@ from jaxtyping import Float
 from ..curves import unit_scale
 from ..physics import Sampling
 from ..recording._checks import usable
-from . import _search
 from ._chance import log_chance
-from ._clock import fresh_values
-from ._format import stuck
-from ._held_out_values import of_events
 from ._intervals import cut_out, joined
-from ._knocks import moved_while_loud
-from ._lasting import about_spread, loudness
-from ._leakage import take_bump
-from ._lines import line_log_chance
-from ._means import Course
-from ._narrow import narrow_noises
-from ._rang_once import rang_once
 from ._refit import drop_courses, evidence, finer_edges, go_back, refit, remembered, resize
-from ._rounded import about_angle, about_format
 from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
 from ._state import Finding, Investigation, begin
-from ._switches import switches_only
 from ._unknown import look_again
+from .courses._course import Course
+from .courses._switches import switches_only
+from .lines._lines import line_log_chance
+from .lines._rang_once import rang_once
+from .spectrum import _search
+from .spectrum._leakage import take_bump
+from .spectrum._narrow import narrow_noises
+from .strength._knocks import moved_while_loud
+from .strength._lasting import about_spread, loudness
+from .values._clock import fresh_values
+from .values._format import stuck
+from .values._held_out import of_events
+from .values._rounded import about_angle, about_format
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008

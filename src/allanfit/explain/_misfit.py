@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from ..identify._goodness import goodness_of_fit
-from ._climb import deviances, expected_density
-from ._narrow import narrow_noises
 from ._state import Investigation
-from ._structure import EACH, active
+from .spectrum._climb import deviances, expected_density
+from .spectrum._narrow import narrow_noises
+from .spectrum._structure import EACH, active
 
 #: A better model as unlikely as this is wrong in something.
 MISFIT = 1e-4

@@ -6,11 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import _means, _search
 from ._chance import log_chance
-from ._clock import logged_density
 from ._effect import Effect
 from ._state import Investigation
+from .courses import _course
+from .spectrum import _search
+from .values._clock import logged_density
 
 # Part of the evidence that a reported band holds.
 _INSIDE = 0.8
@@ -140,7 +141,7 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
     part = state.spectrum._replace(
         frequency=state.spectrum.frequency[inside], amplitude=state.spectrum.amplitude[inside]
     )
-    expected = _means.ordinate_variance(part, state.first, state.first_data)
+    expected = _course.ordinate_variance(part, state.first, state.first_data)
     ratio = float(np.mean(part.amplitude**2 / expected))
     even = abs(ratio - 1) < 0.02
     power = (

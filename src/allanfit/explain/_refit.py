@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from . import _means, _search
 from ._chance import course_log_chance
-from ._means import Course, Sized
-from ._ordinates import bin_edges, binned
 from ._state import Finding, Investigation, Summed
-from ._structure import EACH, RUNNING_MEAN, TERMS, sieve
-from ._sums import Moved, Products, Summing
+from .courses import _course
+from .courses._course import Course, Sized
+from .courses._sums import Moved, Products, Summing
+from .spectrum import _search
+from .spectrum._ordinates import bin_edges, binned
+from .spectrum._structure import EACH, RUNNING_MEAN, TERMS, sieve
 
 # Width of bins about a zero, as a part of its frequency.
 _NEAR_ZERO = 0.002
@@ -86,7 +87,7 @@ def summed(state: Investigation) -> Summed:
 
 def moved_by(state: Investigation, course: Course) -> Moved:
     """The amplitudes of the ordinates of each column of a course."""
-    return _means.moved_by(course, state.pieces, summed(state).sums.slow_top)
+    return _course.moved_by(course, state.pieces, summed(state).sums.slow_top)
 
 
 def with_course(state: Investigation, course: Course) -> Sized:
@@ -97,7 +98,7 @@ def with_course(state: Investigation, course: Course) -> Sized:
 def _beside(state: Investigation, course: Course) -> tuple[Sized, Products]:
     before = summed(state)
     products = before.sums.beside(before.products, state.moved, moved_by(state, course))
-    return _means.size_up(products, before.sums, state.model, state.data), products
+    return _course.size_up(products, before.sums, state.model, state.data), products
 
 
 def evidence(state: Investigation, course: Course) -> tuple[float, float]:
@@ -105,7 +106,7 @@ def evidence(state: Investigation, course: Course) -> tuple[float, float]:
     sized, products = _beside(state, course)
     gain = max(state.cost - sized.cost, 0.0)
     mine = slice(-course.sizes, None)
-    known = _means.knowledge(products, mine, state.model, state.data)
+    known = _course.knowledge(products, mine, state.model, state.data)
     return gain, course_log_chance(gain, course.sizes, known, course.places, course.length)
 
 
@@ -150,7 +151,7 @@ def _is_one_of(one: object, many: Sequence[object]) -> bool:
 def resize(state: Investigation) -> None:
     """The courses beside the structure as it is now."""
     found = summed(state)
-    state.sized = _means.size_up(found.products, found.sums, state.model, state.data)
+    state.sized = _course.size_up(found.products, found.sums, state.model, state.data)
     amplitude, end = state.spectrum.amplitude.copy(), 0
     for moved in state.moved:
         begin, end = end, end + moved.shape[1]

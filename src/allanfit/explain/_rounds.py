@@ -7,18 +7,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from . import _means, _search
 from ._chance import course_score, log_chance, score
-from ._course_scan import propose
-from ._course_shapes import at_its_edges, refined, together
-from ._leakage import leave_leakage
-from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
-from ._means import Course
 from ._refit import add_course, drop_courses, evidence, finer_edges, go_back, remembered
-from ._search import Candidate, rarity
 from ._state import Finding, Investigation, Searched, whitened_piece
-from ._structure import NARROW
-from ._whiten import level
+from .courses import _course
+from .courses._course import Course
+from .courses._scan import propose
+from .courses._shapes import at_its_edges, refined, together
+from .lines._lines import Peak, Sine, evenly, line_log_chance, refine, scan
+from .spectrum import _search
+from .spectrum._leakage import leave_leakage
+from .spectrum._search import Candidate, rarity
+from .spectrum._structure import NARROW
+from .spectrum._whiten import level
 
 _MOST_LINES = 12
 # Lines are looked for in as many places as there are ordinates: so many times the alarm is theirs.
@@ -262,14 +263,14 @@ def _line(state: Investigation, frequency: float) -> Course:
     start = state.longest[0]
     time = state.place - state.place[start]
     if not state.breaks:
-        return _means.oscillation(frequency, time)
+        return _course.oscillation(frequency, time)
     after = partial(np.searchsorted, state.breaks, side="right")
     sums = np.zeros(len(state.breaks) + 1, complex)
     for piece in state.pieces:
         turning = np.exp(-2j * np.pi * frequency * time[slice(*piece)])
         sums[after(piece[0])] += whitened_piece(state, piece, ()) @ turning
     ahead = np.angle(sums * np.conj(sums[after(start)]))
-    return _means.oscillation(frequency, time, ahead[after(np.arange(time.size))])
+    return _course.oscillation(frequency, time, ahead[after(np.arange(time.size))])
 
 
 def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:

@@ -9,28 +9,29 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..physics import Sampling
-from . import _means, _search
-from ._codes import UNROUNDED, Rounding
-from ._contamination import Contamination
-from ._format import Format, sample_format
-from ._held_out_values import Gain
-from ._lines import Peak
-from ._means import Course, Sized
-from ._modulation import Modulation
-from ._ordinates import (
+from .courses import _course
+from .courses._course import Course, Sized
+from .courses._sums import Moved, Products, Summing
+from .lines._lines import Peak
+from .spectrum import _search
+from .spectrum._ordinates import (
     Ordinates,
     above_leakage,
     bin_edges,
     binned,
     ordinates,
 )
-from ._search import Candidate, Model
-from ._structure import (
+from .spectrum._search import Candidate, Model
+from .spectrum._structure import (
     Data,
     Kinds,
 )
-from ._sums import Moved, Products, Summing
-from ._whiten import level, whitened
+from .spectrum._whiten import level, whitened
+from .strength._modulation import Modulation
+from .values._codes import UNROUNDED, Rounding
+from .values._contamination import Contamination
+from .values._format import Format, sample_format
+from .values._held_out import Gain
 
 # Samples of which a spectrum's lowest ordinates are a small part.
 _LONG = 256
@@ -211,7 +212,7 @@ class Investigation:
     @property
     def variance(self) -> Float[np.ndarray, " ordinates"]:
         """What the model expects of each ordinate [u^2]."""
-        return _means.ordinate_variance(self.spectrum, self.model, self.data)
+        return _course.ordinate_variance(self.spectrum, self.model, self.data)
 
     def moment(self, index: int | float) -> float:
         """When a value was taken, with all that were lost, in intervals of the values."""
@@ -245,7 +246,7 @@ class Investigation:
     @property
     def cost(self) -> float:
         """Minus twice the log-likelihood of what is known now."""
-        return _means.cost(self.model, self.data)
+        return _course.cost(self.model, self.data)
 
 
 def begin(

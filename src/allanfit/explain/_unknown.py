@@ -8,9 +8,21 @@ name is right only if what else it says is so too.
 import numpy as np
 from jaxtyping import Bool, Float
 
-from . import _search
 from ._chance import INSIDE, log_chance, score
-from ._changing import (
+from ._intervals import runs
+from ._state import Finding, Investigation, Unknown, whitened_piece
+from .lines._changing import look_at_lines
+from .lines._harmonics import Line, families
+from .lines._line_or_resonance import tell_apart
+from .lines._waveform import waveform
+from .spectrum import _search
+from .spectrum._climb import filter_slopes
+from .spectrum._leakage import take_bump
+from .spectrum._narrow import narrow_groups, narrow_noises
+from .spectrum._ordinates import points
+from .spectrum._search import Model
+from .spectrum._structure import EACH, TERMS, UNNAMED
+from .strength._changing import (
     TILE,
     moved_along,
     parts,
@@ -20,22 +32,10 @@ from ._changing import (
     swinging,
     tiles,
 )
-from ._changing_lines import look_at_lines
-from ._climb import filter_slopes
-from ._harmonics import Line, families
-from ._held_out_values import of_swing
-from ._intervals import runs
-from ._lasting import forget_loud_times
-from ._leakage import take_bump
-from ._line_or_resonance import tell_apart
-from ._modulation import PULLED_IN, uneven
-from ._narrow import narrow_groups, narrow_noises
-from ._ordinates import points
-from ._search import Model
-from ._spikes import USUAL
-from ._state import Finding, Investigation, Unknown, whitened_piece
-from ._structure import EACH, TERMS, UNNAMED
-from ._waveform import waveform
+from .strength._lasting import forget_loud_times
+from .strength._modulation import PULLED_IN, uneven
+from .values._held_out import of_swing
+from .values._spikes import USUAL
 
 # A filter's corner moves if chance says so as rarely, and it gains such a part of the filter.
 _CORNER, _CORNER_SHARE = 1e-4, 0.05

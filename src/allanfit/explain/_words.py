@@ -5,8 +5,8 @@ from typing import Any
 
 from ..physics import held_factor
 from ._effect import Effect
-from ._harmonics import Family
-from ._spikes import USUAL
+from .lines._harmonics import Family
+from .values._spikes import USUAL
 
 Parameters = dict[str, dict[str, Any]]
 

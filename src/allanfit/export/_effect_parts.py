@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from ..formatting import significant
 from ..physics import AbstractAddedNoise, AbstractEffect, parameter_unit, parameter_values
-from ..report._format import significant
 from ._read import FitChannel
 from ._state_space import Part, State
 

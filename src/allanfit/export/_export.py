@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
-from ..report._format import printable
+from ..formatting import printable
 from ._doubts import no_white_noise
 from ._errors import ExportError
 from ._exported import Exported

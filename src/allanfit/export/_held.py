@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from ..formatting import significant
 from ..physics import SampleHold, held_factor
-from ..report._format import significant
 from ._read import FitChannel, FitFile
 
 

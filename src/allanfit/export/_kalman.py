@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from ..report._format import printable
+from ..formatting import printable
 from ._doubts import doubts
 from ._effect_parts import STATES, effect_entries, left_out
 from ._errors import ExportError

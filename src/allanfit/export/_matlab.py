@@ -8,7 +8,7 @@ BiasInstability through the filter of fractalcoef, which is B, not 0.664 B.
 import math
 import textwrap
 
-from ..report._format import printable
+from ..formatting import printable
 from ._exported import Exported
 from ._options import Options
 from ._parts import default_band

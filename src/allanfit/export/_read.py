@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from ..coefficients import coefficients_of, converged, effects_of, why_failed
+from ..formatting import printable
 from ..physics import SYMBOLS, AbstractEffect, check_sampling
 from ..recording import RecordingError
 from ..recording._files import require_file
 from ..recording._units import parse_unit
-from ..report._format import printable
 from ._errors import ExportError
 
 _EXPLAIN_SCHEMA = "allanfit.explain/"

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ..formatting import printable, significant
 from ..physics import ALLAN_FLOOR, BiasInstability, RateRandomWalk, WhiteNoise, coefficient_unit
-from ..report._format import printable, significant
 from ._doubts import doubts
 from ._effect_parts import left_out
 from ._errors import ExportError

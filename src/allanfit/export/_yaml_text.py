@@ -3,7 +3,7 @@
 import json
 import textwrap
 
-from ..report._format import printable
+from ..formatting import printable
 
 _WIDTH = 96
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
-from ..report._format import significant
+from ..formatting import significant
 from ..report._panels import BAND_COLOUR, COLOURS, say_empty, style
 from ..report._units import typeset
 from ._compare import Coefficient, Quantity

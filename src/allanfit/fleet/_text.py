@@ -2,7 +2,7 @@
 
 import textwrap
 
-from ..report._format import printable
+from ..formatting import printable
 from ._compare import FALSE_ALARM, FEWEST, Comparison, Quantity
 from ._run import FleetRun
 from ._words import (

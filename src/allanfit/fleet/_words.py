@@ -2,7 +2,7 @@
 
 import math
 
-from ..report._format import Reading, p_value, reading, significant
+from ..formatting import Reading, p_value, reading, significant
 from ._compare import Coefficient, Outlier, Quantity
 from ._run import FleetRun
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from ..formatting import duration
 from ..physics import SYMBOLS, Sampling
-from ..report._format import duration
 from ._errors import relative_errors
 from ._length import LONGEST_YEARS, shortest_samples
 

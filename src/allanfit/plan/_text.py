@@ -2,8 +2,8 @@
 
 import textwrap
 
+from ..formatting import aligned, duration, printable, significant
 from ..physics import SYMBOLS
-from ..report._format import aligned, duration, printable, significant
 from ..report._notebook import html_table
 from ._file import FilePlan
 from ._plan import Plan, percent

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ._format import percent, printable, reading, significant, upper_limit
+from ..formatting import percent, printable, reading, significant, upper_limit
 
 # How the words were read, where the number is not the coefficient itself.
 _MEANINGS = {

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..formatting import significant
 from ._explain_panels import AFTER, BEFORE
-from ._format import significant
 from ._panels import DATA_COLOUR, positive, say_empty, style
 from ._units import squared_per_hertz, typeset
 

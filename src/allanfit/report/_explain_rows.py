@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..coefficient_units import field_units
+from ..formatting import Reading, duration, percent, printable, reading, significant
 from ..physics import EFFECTS, Bump
 from ._explain_verdict import probability
 from ._explain_words import capitalised, words
-from ._format import Reading, duration, percent, printable, reading, significant
 from ._rows import Row, coefficient_rows
 
 _LISTED = 6  # times or intervals that are told one by one

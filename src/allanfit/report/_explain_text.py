@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from ..formatting import Reading, printable
 from ._explain_rows import (
     Change,
     Effect,
@@ -22,7 +23,6 @@ from ._explain_verdict import (
     simulation_sentence,
     verdict_sentence,
 )
-from ._format import Reading, printable
 from ._rows import Row, description
 
 _WIDTH = 80

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..formatting import Number, beside_error, p_value, significant, with_error
 from ._explain_words import listed, words
-from ._format import Number, beside_error, p_value, significant, with_error
 
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", and "perhaps"

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from ..formatting import Reading, duration, printable, reading, significant, upper_limit
 from ._explain_rows import change_rows, effect_rows, unchanged_rows
 from ._explain_verdict import verdict_sentence
-from ._format import Reading, duration, printable, reading, significant, upper_limit
 from ._rows import Row, coefficient_rows, fit_sentence, warning_sentence
 from ._units import typeset
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
 
-from ._format import Number
+from ..formatting import Number
 from ._labels import label_lines
 from ._units import squared_per_hertz, typeset
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..formatting import printable, significant
 from ._errors import report_extra
-from ._format import printable, significant
 
 _DIGITS = 6
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from ..coefficient_units import Conversion, field_units, si_unit
 from ..coefficients import converged
-from ._format import (
+from ..formatting import (
     Number,
     Reading,
     duration,

@@ -4,8 +4,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..formatting import Reading, printable
 from ._datasheet_rows import SheetRow, sheet_notes, sheet_rows, sheet_title
-from ._format import Reading, printable
 from ._rows import (
     Row,
     advice_sentence,

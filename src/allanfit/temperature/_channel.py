@@ -7,9 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..formatting import p_value, percent, reading
 from ..identify._fit import Fit
 from ..recording import Channel, Recording
-from ..report._format import p_value, percent, reading
 from ._sensitivity import RESOLVED_P, TemperatureEffect, temperature_sensitivity
 
 Treatment = Literal["show", "remove", "ignore"]

@@ -1,0 +1,1 @@
+"""What is a course in time and no noise: steps, warm-ups, slow swings, temperature."""

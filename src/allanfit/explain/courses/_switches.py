@@ -1,0 +1,121 @@
+"""Whether a wandering bias dwells at two levels, and steps are but switches between them."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from .._state import Investigation
+from ..spectrum import _search
+from ..spectrum._climb import gain_at, noise_at
+from ..spectrum._ordinates import ordinates
+from ..spectrum._structure import EACH, shape_of
+from ..spectrum._whiten import level, whitened
+from . import _course
+from ._shapes import draw_courses
+from ._telegraph import Levels, two_levels
+
+# A step is a switch if its height is that between the levels, within so much of it and so many of
+# its standard deviations, which so many draws give.
+_ALIKE, _DEVIATIONS, _DRAWS = 0.35, 2.0, 400
+# Without its switches a time is as quiet as others if it is no louder, in power, by this.
+_LOUD = 1.5
+
+
+def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> Levels:
+    """Two levels in the Gauss-Markov process whose parameters begin at `begin`.
+
+    `constant` is its time constant in samples.
+    """
+    three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
+    # Of one stretch: the ordinates of several are no series.
+    spectrum = ordinates((state.calm[start:stop],), state.sampling)
+    total = _course.ordinate_variance(spectrum, state.model, state.data)
+    frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
+    thinned = np.geomspace(frequency[0], frequency[-1], 600)
+    found = noise_at("gauss_markov", three, thinned, state.data)
+    found *= gain_at(state.model.theta, "gauss_markov", state.model.kinds, thinned, state.data)
+    signal = np.minimum(np.interp(frequency, thinned, found), total)
+    corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
+    return two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+
+
+def switches_only(state: Investigation, whole: Investigation, seed: int) -> bool:
+    """Whether steps and disturbed times of `state` are switches of a telegraph in the `whole`.
+
+    The `whole` has the structure of `state`, and nothing taken or cut out in time.
+    """
+    kinds = whole.model.kinds
+    begin = kinds.first_slot + EACH * kinds.added.index("gauss_markov")
+    three = whole.model.theta[begin : begin + EACH]
+    constant = float(shape_of("gauss_markov", three, whole.data.samples)[0])
+    levels = levels_of(whole, begin, constant, seed)
+    if levels.chance > whole.alarm:
+        return False
+    spread = levels.upper * (1 - levels.upper)
+    height = float(np.exp(three[0] / 2)) / np.sqrt(spread)
+    if any(
+        abs(abs(each) - height) > _ALIKE * height + _DEVIATIONS * deviation
+        for each, deviation in _step_heights(state, seed)
+    ):
+        return False
+    return not state.knocks or _quiet_without(whole, levels, height, constant, state.knocks)
+
+
+def _quiet_without(
+    whole: Investigation,
+    levels: Levels,
+    height: float,
+    constant: float,
+    knocks: list[tuple[int, int]],
+) -> bool:
+    """Whether nothing is loud in some times once the switches are taken out."""
+    start, stop = whole.longest
+    values = whole.values[start:stop]
+    rest = values - height * _levels_in_time(values, levels.high, round(constant))
+    names = whole.model.kinds.names
+    bare = _search.without(whole.model, names.index("gauss_markov"))
+    spectrum = ordinates((rest,), whole.sampling)
+    variance = _course.ordinate_variance(spectrum, bare, whole.data)
+    white = whitened(rest, spectrum, level(spectrum, variance))
+    loud = np.zeros(values.size, bool)
+    for low, high in knocks:
+        loud[max(low - start, 0) : max(high - start, 0)] = True
+    if not loud.any() or loud.all():
+        return False
+    return bool(np.mean(white[loud] ** 2) < _LOUD * np.mean(white[~loud] ** 2))
+
+
+def _levels_in_time(
+    values: Float[np.ndarray, " samples"], high: Bool[np.ndarray, " moments"], near: int
+) -> Float[np.ndarray, " samples"]:
+    """1 on the upper level and 0 on the lower, from rough moments of the switches.
+
+    Each switch is where the sum of what lies above the middle turns, within `near` samples.
+    """
+    count = values.size
+    rough = np.round((np.flatnonzero(np.diff(high.astype(int))) + 1) * count / high.size)
+    edges = np.concatenate([[0], rough, [count]]).astype(int)
+    path, up, last = np.zeros(count), bool(high[0]), 0
+    for before, middle, after in zip(edges[:-2], edges[1:-1], edges[2:], strict=True):
+        low = max((before + middle) // 2, middle - near, last)
+        end = max(min((middle + after + 1) // 2, middle + near), low + 2)
+        part = values[low:end]
+        at = max(min(middle - low, part.size - 1), 1)
+        centre = (part[:at].mean() + part[at:].mean()) / 2
+        turn = np.cumsum(part - centre) * (1 if up else -1)
+        place = low + 1 + int(np.argmax(turn))
+        path[last:place] = up
+        last, up = place, not up
+    path[last:] = up
+    return path
+
+
+def _step_heights(state: Investigation, seed: int) -> list[tuple[float, float]]:
+    """The height of each step, with its standard deviation."""
+    if state.sized is None:
+        return []
+    columns, _ = draw_courses(state, np.random.default_rng(seed), _DRAWS)
+    return [
+        (float(np.mean(sizes)), float(np.std(sizes)))
+        for course, sizes in zip(state.courses, columns, strict=True)
+        if course.name == "step"
+    ]

@@ -1,0 +1,128 @@
+"""Whether a narrow band is a line that wanders, one that is switched, or a resonance.
+
+Of all the spectrum is a peak, and shapes are alike within what a few hundred ordinates tell: it is
+time that tells them apart.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from .._state import Investigation, whitened_piece
+from ..spectrum import _search
+from ..spectrum._narrow import Narrow, alone, density_of, narrow_groups, narrow_noises, resolve
+from ..spectrum._search import Model
+from ..spectrum._structure import EACH, NARROW, bounds, free
+from ._one_phase import OnePhase, one_phase
+from ._tracked import normal_likelihood, tracked_likelihood
+
+# Standard deviations of a line's frequency to either side that its band takes in.
+_REACH = 3.5
+# And those in which its sidebands are, if its strength changes.
+_SIDEBANDS = 6.0
+# A band takes in as many ordinates at least, and its middle is sought among so many.
+_FEWEST, _FEW = 48, 2.0
+# More moments of a band than this tell nothing that matters.
+_MOST = 8192
+# Of the width that is told the other shape starts at these parts.
+_PARTS = (0.5, 1.0, 2.0)
+# The half-width of a resonance whose core looks like a line of this standard deviation.
+_ALIKE = 1.2
+_LINE, _RESONANCE = "drifting_line", "resonance"
+
+
+def tell_apart(state: Investigation) -> dict[int, float]:
+    """Give each narrow noise that stands alone the name that its course in time asks for.
+
+    Returns what tracking gains for those that are lines, in log-likelihood, by their place.
+    """
+    if not narrow_groups(state):
+        return {}
+    resolve(state)
+    white = whitened_piece(state, state.longest, model_only=True)
+    gains = {}
+    for group in narrow_groups(state):
+        if len(group) == 1:
+            (one,) = group
+            gains[one.place] = _tell(state, white, one)
+    return gains
+
+
+def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow) -> float:
+    names = state.model.kinds.names
+    finding = state.findings_of(names)[one.place - len(state.model.kinds.added)]
+    if finding is None:
+        return 0.0
+    fitted = {name: _as(state, one, name) for name in NARROW}
+    tracked = _tracked(state, white, one, fitted[_LINE])
+    # As twice the log of the odds, which scores are.
+    gain = fitted[_RESONANCE].deviance - fitted[_LINE].deviance + 2 * tracked
+    gain += _search.rarity(fitted[_LINE], state.data, one.place)
+    gain -= _search.rarity(fitted[_RESONANCE], state.data, one.place)
+    best, other = (_LINE, _RESONANCE) if gain > 0 else (_RESONANCE, _LINE)
+    top = max((finding.rivals[name] for name in NARROW if name in finding.rivals), default=0.0)
+    finding.rivals |= {best: top, other: top - abs(gain)}
+    finding.name = best
+    state.model = fitted[best]
+    return tracked if best == _LINE else 0.0
+
+
+def in_one_phase(
+    state: Investigation, white: Float[np.ndarray, " samples"], group: list[Narrow]
+) -> OnePhase | None:
+    """Whether narrow noises are one line whose strength changes; None in wide bands."""
+    main = min(group, key=_spread)
+    spread = max(_spread(each) + abs(each.middle - main.middle) for each in group)
+    half = max(_SIDEBANDS * spread, _FEWEST / 2 / white.size)
+    if 2 * half * white.size > _MOST:
+        return None
+    found = alone(state, white, group, main.middle, half)
+    level = float(np.interp(main.middle, found.frequency, found.level))
+
+    def excess(order: np.ndarray) -> np.ndarray:
+        aside = order / white.size
+        above, below = (density_of(state, group, main.middle + end * aside) for end in (1, -1))
+        return (above + below) / 2 / level
+
+    middle = (main.middle - found.frequency[0]) * white.size
+    return one_phase(found.band, middle, max(2 * _spread(main) * white.size, _FEW), excess)
+
+
+def _spread(one: Narrow) -> float:
+    """The standard deviation of a line's frequency, or what looks like it."""
+    return one.width if one.name == _LINE else one.width / (2 * _ALIKE)
+
+
+def _as(state: Investigation, one: Narrow, name: str) -> Model:
+    """The model at its best with a noise of this name in place of one."""
+    kinds, samples = state.model.kinds, float(state.data.samples)
+    if name == one.name:
+        return state.model
+    added = tuple(name if place == one.place else each for place, each in enumerate(kinds.added))
+    first, second = bounds(name, samples)
+    starts = []
+    for part in _PARTS:
+        theta, begin = np.array(state.model.theta), kinds.first_slot + EACH * one.place
+        # A line's width is a standard deviation, and that of a resonance twice the half-width.
+        width = part * one.width
+        shape = width / (2 * _ALIKE) if name == _LINE else 1 / (2 * _ALIKE * width)
+        shape = shape / one.middle if name == _LINE else shape * one.middle
+        theta[begin + 1 : begin + EACH] = free(one.middle, *first), free(shape, *second)
+        starts.append((kinds._replace(added=added), theta))
+    return min(_search.best(starts, state.data), key=lambda model: model.deviance)
+
+
+def _tracked(
+    state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow, line: Model
+) -> float:
+    """What a line gains when it is tracked, over normal noise of its spectrum."""
+    samples = float(state.data.samples)
+    (fitted,) = (each for each in narrow_noises(line, samples) if each.place == one.place)
+    middle, width = fitted.middle, fitted.width
+    found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
+    frequency, band = found.frequency, found.band[:_MOST]
+    excess = density_of(state, [fitted], frequency) / found.level
+    part = np.arange(band.size) / band.size * excess.size
+    normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
+    place = (middle - frequency[0]) * white.size / frequency.size
+    spread = width * white.size / frequency.size
+    return tracked_likelihood(band, place, spread, float(np.mean(excess))) - normal

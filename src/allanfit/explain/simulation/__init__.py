@@ -1,0 +1,1 @@
+"""A recording against a simulation, and which of the two lacks what."""

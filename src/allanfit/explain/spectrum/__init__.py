@@ -1,0 +1,1 @@
+"""The structure that a spectrum asks for: ordinates, bins of them, fits of terms and effects."""

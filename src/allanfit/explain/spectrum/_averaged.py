@@ -1,0 +1,77 @@
+"""Coefficients as uncertain as the name of what is beside them.
+
+Correlated noise and a power law may fit one spectrum equally well and leave different white and
+flicker noise to it, by many standard errors of either fit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from .._chance import score
+from .._state import Investigation
+from . import _search
+from ._posterior import Draws, sample_structure
+from ._search import Model
+
+# Broad noises stand for one another, lines do not: beside those the coefficients are what they are.
+_BROAD = ("gauss_markov", "power_law")
+# A rival with a smaller share of the odds moves no interval of 95 % by much.
+_OPEN = 0.03
+
+
+@dataclass(frozen=True)
+class _Rival:
+    model: Model
+    #: How likely, the named structure being 1.
+    odds: float
+
+
+def averaged(state: Investigation, draws: Draws, seed: int, *, quick: bool) -> Draws:
+    """The draws with powers of all structures that have a rival in place of a broad noise.
+
+    Each structure has as many as its odds say (Hoeting et al. 1999, Statist. Sci. 14:382, eq. 1);
+    everything but `power` stays that of the structure which was named.
+    """
+    found = [
+        rival
+        for place, name in enumerate(state.model.kinds.added)
+        if name in _BROAD
+        for rival in _rivals(state, place)
+    ]
+    if not found:
+        return draws
+    rng = np.random.default_rng(seed)
+    total = 1 + sum(rival.odds for rival in found)
+    whose = rng.choice(
+        len(found) + 1,
+        size=len(draws.power),
+        p=[1 / total, *(rival.odds / total for rival in found)],
+    )
+    power = draws.power.copy()
+    for index, rival in enumerate(found, start=1):
+        other = sample_structure(rival.model, state.data, seed + index, quick=quick).power
+        power[whose == index] = _some(other, int(np.sum(whose == index)), rng)
+    return draws._replace(power=power)
+
+
+def _some(
+    power: Float[np.ndarray, "draws terms"], count: int, rng: np.random.Generator
+) -> Float[np.ndarray, "count terms"]:
+    return power[rng.choice(len(power), size=count, replace=count > len(power))]
+
+
+def _rivals(state: Investigation, place: int) -> list[_Rival]:
+    model, data = state.model, state.data
+    name = model.kinds.added[place]
+    own = score(name, 0.0) + _search.rarity(model, data, place)
+    found = []
+    for other in _BROAD:
+        rival = _search.instead(model, place, other, data) if other != name else None
+        if rival is not None:
+            worth = score(other, model.deviance - rival.deviance) + _search.rarity(rival, data)
+            odds = float(np.exp(np.clip((worth - own) / 2, -50, 0)))
+            if odds > _OPEN:
+                found.append(_Rival(rival, odds))
+    return found

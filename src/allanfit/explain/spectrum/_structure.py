@@ -1,0 +1,297 @@
+"""The five terms and effects beside them, fitted to a binned spectrum together.
+
+A structure is a choice of effects: at most one that shapes the spectrum, and some noises that add
+to it. Everything is for a sampling interval of one: times in samples, frequencies in cycles per
+sample. The expected density is
+
+    bump(f) (H(f) (N + B + K) + Q + foreign + added noises),
+
+with the filter H in front of the converter, whose angle quantization it does not see; aliases of
+what passes are in it. A filter behind the converter passes H(f) Q instead, and one that comes last
+the added noises as well. `foreign` is white noise
+of known size that does not belong to N, and that no filter sees.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ...physics import (
+    Bump,
+    DriftingLine,
+    GaussMarkov,
+    LowPass,
+    PowerLaw,
+    Resonance,
+)
+from ._ordinates import _NODES, Bins, averaged
+
+#: Noises that a structure may add, and what may shape it, by name.
+ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, DriftingLine)}
+#: In front of the converter, which takes values or averages, so that what passes folds; or behind
+#: it, in the sensor's processor.
+FREE_FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
+#: The same, with a droop.
+_DROOPING = "drooping_"
+DROOPING = tuple(_DROOPING + name for name in FREE_FILTERS)
+#: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
+RUNNING_MEAN = "running_mean"
+#: Behind it too, with an edge as steep as a long response makes it.
+WINDOWED = "windowed_low_pass"
+#: What has no name: a bump about one frequency, or a lack toward zero.
+HIGH_PASS = "high_pass"
+FLAT = "flat_bump"
+UNNAMED = ("bump", HIGH_PASS, FLAT)
+FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN, WINDOWED)
+#: Noises of one narrow band.
+NARROW = ("resonance", "drifting_line")
+TERMS = 4
+# Of each effect: its size, and two numbers that say its shape, the second idle for some.
+EACH = 3
+FLOOR = -60.0
+# The mean of two squared normal variates is above the exponential of this once in a hundred times.
+_TWO_ENDS = 1.6
+
+
+class Kinds(NamedTuple):
+    """What a structure holds.
+
+    Its parameters are the log powers of Q, N, B, K, then three numbers of each effect.
+    """
+
+    #: One of `FILTERS`, of `UNNAMED`, or none.
+    shaping: str | None = None
+    #: Names of the added noises, in the order of their parameters.
+    added: tuple[str, ...] = ()
+    #: Whether the filter comes last, so that added noises pass it as well.
+    last: bool = False
+
+    @property
+    def first_slot(self) -> int:
+        """Where the parameters of the first added noise begin."""
+        return TERMS + EACH * (self.shaping is not None)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All effects by the names of the catalogue, what shapes first."""
+        shapes = () if self.shaping is None else ("low_pass" if self.filtering else "bump",)
+        return shapes + self.added
+
+    @property
+    def filtering(self) -> bool:
+        """Whether it holds a low-pass filter of either kind."""
+        return self.shaping in FILTERS
+
+    @property
+    def angle_filtered(self) -> bool:
+        """Whether quantization comes before the filter, as in a converter before a processor."""
+        return without_droop(self.shaping or "") in ("digital_low_pass", RUNNING_MEAN, WINDOWED)
+
+
+class Data(NamedTuple):
+    """A binned spectrum beside what is known of it before the fit."""
+
+    bins: Bins
+    #: Samples of the longest stretch.
+    samples: float | Float[Array, ""]
+    #: White density that is not N [u^2].
+    foreign: float | Float[Array, ""]
+    #: Mean samples for each fresh value where they are repeated at random; 1 if they are not.
+    repeat: float
+    #: Which of Q, N, B, K the structure has.
+    terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
+    #: One if samples are averages over their interval, else zero.
+    averaging: float = 0.0
+
+
+def without_droop(shaping: str) -> str:
+    """The filter of the same place that does not droop; anything else as it is."""
+    return shaping.removeprefix(_DROOPING)
+
+
+def droop_of(three: Any) -> Float[Array, "..."]:
+    """From -3, a high peak, to 1, a single pole; 0 at 0."""
+    return 1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3))
+
+
+def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
+    """A filter from its three free parameters, the first of which says how it droops if it does."""
+    kind = without_droop(shaping)
+    return LowPass(
+        *shape_of(kind, three, samples),
+        # A droop of nothing too: one program serves filters that droop and those that do not.
+        droop=None if kind in (RUNNING_MEAN, WINDOWED) else droop_of(three),
+        digital=kind == "digital_low_pass",
+        averaged=kind == "averaged_low_pass",
+        running_mean=kind == RUNNING_MEAN,
+        windowed=kind == WINDOWED,
+    )
+
+
+def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    """Where the shape of an effect is looked for, in samples and cycles per sample."""
+    return {
+        # Slower than a sixth of the record it is a random walk or a ramp.
+        "gauss_markov": ((0.2, samples / 6), (0.5, 2.0)),
+        # With less quality it hardly swings, and is a relaxation to all who look at it.
+        "resonance": ((2 / samples, 0.499), (1.5, 3000.0)),
+        "power_law": ((0.15, 2.95), (0.5, 2.0)),
+        # The width is relative: what wanders by more than a tenth of its frequency is no line.
+        "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.1)),
+        "low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
+        RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
+        # Of fewer samples it is much like the others.
+        WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
+        "bump": ((2 / samples, 0.5), (0.03, 3.0)),
+        # Flanks are seen where they are some bins apart, of which 48 make a decade.
+        FLAT: ((2 / samples, 0.5), (0.1, 3.0)),
+        HIGH_PASS: ((0.5 / samples, 0.3), (0.05, 0.9)),
+    }[without_droop(name)]
+
+
+def between(u: Any, low: Any, high: Any) -> Float[Array, "..."]:
+    """A number between two positive ones, from any real one: logistic in the logarithm."""
+    return jnp.exp(jnp.log(low) + (jnp.log(high) - jnp.log(low)) * jax.nn.sigmoid(u))
+
+
+def free(value: float, low: float, high: float) -> float:
+    """The inverse of `between`, on the host."""
+    part = np.clip((np.log(value) - np.log(low)) / (np.log(high) - np.log(low)), 1e-3, 1 - 1e-3)
+    return float(np.log(part / (1 - part)))
+
+
+def free_filter(
+    kind: str, cutoff: float, order: float, samples: Any, droop: float = 0.0
+) -> list[float]:
+    """The free parameters of a filter, `droop` being a free one already."""
+    first, second = bounds(kind, samples)
+    return [droop, free(cutoff, *first), free(order, *second)]
+
+
+def shape_of(
+    name: str, three: Any, samples: Any
+) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+    """The two shape parameters of an effect from its three free ones."""
+    first, second = bounds(name, samples)
+    return between(three[1], *first), between(three[2], *second)
+
+
+def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Array, " bins"]:
+    """What an added noise puts into each bin [u^2]; exp(three[0]) is its scale squared."""
+    nodes = jnp.asarray(nodes)
+    first, second = shape_of(name, three, samples)
+    one = jnp.ones(())
+    middle = nodes[:, 1]
+    if name == "gauss_markov":
+        density = GaussMarkov(one, first).density(middle, 1.0, "point")
+    elif name == "power_law":
+        density = PowerLaw(first, one).density(middle, 1.0, "point")
+    else:
+        # A peak narrower than a bin cannot fall between nodes: it is as broad as the bin.
+        breadth = (nodes[:, 2] - nodes[:, 0]) / (_NODES[2] - _NODES[0])
+
+        def peak(f, b):
+            if name == "resonance":
+                # A sharp choice of the broader: nodes see a peak that is as broad as its bin.
+                quarter = jnp.square(jnp.square(1 / second)) + jnp.square(jnp.square(b / first))
+                broad = 1 / jnp.sqrt(jnp.sqrt(quarter))
+                return Resonance(one, first, broad).density(f, 1.0, "point")
+            return DriftingLine(one, first, jnp.hypot(first * second, b / 4)).density(
+                f, 1.0, "point"
+            )
+
+        density = averaged(jax.vmap(peak)(nodes, breadth))
+    return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
+
+
+def left_of(name: str, frequency: Any, averaging: float) -> Float[np.ndarray, "*shape"]:
+    """What averages leave of an added noise, but for aliases; 1 of samples at an instant.
+
+    A line that wanders is as large as it is among the samples.
+    """
+    sinc = np.square(np.sinc(np.asarray(frequency)))
+    return np.ones_like(sinc) if name == "drifting_line" else 1 - averaging * (1 - sinc)
+
+
+def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
+    """|H|^2 with aliases of white noise, |H|^2 itself, the bump; one where there is none."""
+    middle = jnp.asarray(nodes)[:, 1]
+    if shaping in FILTERS:
+        found = sieve(shaping, three, samples)
+        if found.after_converter:
+            # What is before it, averaged over each bin: zeros are narrower than bins.
+            passed = averaged(found.passed(jnp.asarray(nodes), 1.0))
+            return passed, passed, jnp.ones_like(middle)
+        return found.gain(middle, 1.0), found.passed(middle, 1.0), jnp.ones_like(middle)
+    if shaping in UNNAMED:
+        high_pass = shaping == HIGH_PASS
+        where = shape_of(shaping, three, samples)
+        height, flat = jnp.tanh(three[0] / 6) * 6, shaping == FLAT
+        gain = Bump(height, *where, high_pass=high_pass, flat=flat).gain(middle, 1.0)
+        if high_pass:
+            # Two ends leak it, and their squares are up to some times their mean.
+            gain += end_leakage(*where) / samples * jnp.exp(_TWO_ENDS * jnp.tanh(three[0]))
+        return jnp.ones_like(middle), jnp.ones_like(middle), gain
+    return jnp.ones_like(middle), jnp.ones_like(middle), jnp.ones_like(middle)
+
+
+def end_leakage(frequency: Any, width: Any) -> Any:
+    """What the ends of a record behind a high-pass filter leak to frequencies near zero.
+
+    Over the density of white noise beyond the filter, times the samples: the integral of
+    |H|^2/sin^2(pi f) over all frequencies, by `_ordinates.leakage` at w = 0.
+    """
+    return 2 * width / (jnp.pi * frequency * jnp.sin(jnp.pi * width))
+
+
+def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
+    """What unit powers of Q, N, B, K put into each bin when samples are held, and nothing else."""
+    plain = np.asarray(data.bins.expected)
+    if data.repeat == 1:
+        return plain
+    held = holding(data)
+    # What is slow is held as well, and white noise is folded on top.
+    slow = plain[:, 2:] * (held / data.repeat)[:, None]
+    return np.column_stack([plain[:, 1] * _held_angle(data), plain[:, 1] * held, slow])
+
+
+def foreign(data: Data) -> float | Float[np.ndarray, " bins"]:
+    """White noise in each bin that is not N, held as N is."""
+    return float(data.foreign) * (holding(data) if data.repeat != 1 else 1.0)
+
+
+def holding(data: Data) -> Float[np.ndarray, " bins"]:
+    """What holding samples does to the density of white noise."""
+    middle = np.asarray(data.bins.nodes)[:, 1]
+    p = 1 - 1 / data.repeat
+    return (1 - p**2) / ((1 - p) ** 2 + 4 * p * np.sin(np.pi * middle) ** 2)
+
+
+def _held_angle(data: Data) -> Float[np.ndarray, " bins"]:
+    """Quantized angle, held, over white noise of the same power, not held.
+
+    The difference of white noise, held with chance p: one is the next fresh value after another
+    only where it comes at once, so that the autocovariance is 2 p^m - (1 - p)^2 p^(m-1). That is
+    far above zero at low frequency, where the difference itself vanishes.
+    """
+    middle = np.asarray(data.bins.nodes)[:, 1]
+    p, turn = 1 - 1 / data.repeat, np.exp(2j * np.pi * middle)
+    powers = (p * turn / (1 - p * turn)).real
+    return 2 * (1 + powers * (2 - (1 - p) ** 2 / p))
+
+
+def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
+    """Which parameters are not idle."""
+    flags = []
+    for name in kinds.names:
+        # Some noises have one number for their shape; a filter has no size.
+        free = [True, True, name not in ("gauss_markov", "power_law")]
+        if name == "low_pass":
+            free = [kinds.shaping in DROOPING] + [kinds.shaping != RUNNING_MEAN] * 2
+        flags += free
+    return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])

@@ -1,0 +1,287 @@
+"""Whether the noise of a channel lasts: loud times and knocks, and outliers beside them."""
+
+import numpy as np
+from jaxtyping import Float
+
+from .._intervals import runs
+from .._refit import rebin, refit
+from .._state import Finding, Investigation, whitened_piece, whitened_pieces
+from ..lines._lines import scan
+from ..spectrum import _search
+from ..spectrum._ordinates import bin_edges, binned, ordinates
+from ..spectrum._whiten import level, without_ends
+from ..values import _discrete
+from ..values._alone import Others
+from ..values._held_out import Gain, of_loud_times
+from ..values._spikes import height_of, name_clear_spikes, name_spikes, put_back, take_out_spikes
+from ._bursts import bursts
+from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
+from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation, of_samples
+from ._vibration import away_from_edges, take_out, vibration
+
+# Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
+_MOST_DOUBLINGS, _CLEARER = 8, 1.5
+# Short spectra of held or rounded values stand out by up to so many times as much by chance, by
+# records of white noise held up to seven samples long, or rounded to five times its deviation.
+_LONGER_TAIL = 3.0
+# A quiet time must be as long for its own fit.
+_SHORTEST_QUIET = 1024
+# So much of the modes is heard in full where samples were mended.
+_HEARD = 0.9
+# A part of the variance that is left however quiet it is.
+_WEAKEST = 1e-3
+
+
+def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bool:
+    """Outliers, loud times and knocks. Says whether the record has to be cut, if it may be."""
+    at_the_ends = None if state.knocks else _at_the_ends(state)
+    if at_the_ends is not None:
+        knock(state, at_the_ends, whitened_pieces(state))
+        return True
+    _name_tall_spikes(state, seed)
+    rough = whitened_piece(state, state.longest)
+    notches = tuple(peak.frequency for peak in scan(rough, 1e-4))
+    white = _white(state, notches)
+    mean = level(state.left, state.variance)
+    if state.format.normal:
+        changing, heard = _modulation_of_n(state, white, seed)
+    else:
+        changing, heard = _discrete.change(state, white, height_of(mean), seed)
+    state.witness(
+        "variance in time",
+        changing.ratio,
+        changing.p_value,
+        "Windowed variances of the whitened record, compared.",
+    )
+    loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
+    loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
+    if loud and may_cut:
+        share = changing.loud.mean()
+        if share < KNOCK_SHARE and steps_instead(state, changing):
+            return about_spread(state, seed, may_cut=may_cut)
+        if share < KNOCK_SHARE and changing.ratio > KNOCK_RATIO:
+            knock(state, changing, white)
+            return True
+    vibrating = vibration(state, white, mean, changing) if loud and state.format.normal else None
+    if vibrating is not None:
+        take_out(state, *vibrating)
+        _name_loud_times(state, vibrating[0].times, of_loud_times(heard, seed))
+        mean = level(state.left, state.variance)
+        even = _white(state, notches)
+    else:
+        even = _evened(white, changing) if loud else white
+    knocked = _knocked(state, white, even)
+    if knocked is not None and may_cut:
+        if steps_instead(state, knocked):
+            return about_spread(state, seed, may_cut=may_cut)
+        knock(state, knocked, white)
+        if state.vibration is not None:
+            # The knock passed for quiet noise: vibration is found again without it.
+            state.values, state.vibration = state.vibration.recorded, None
+        return True
+    if loud and vibrating is None:
+        changing = changing.sharp()
+        _count_out(state, changing)
+        _name_loud_times(state, changing, of_loud_times(heard, seed))
+    if state.format.normal:
+        quiet = ~changing.loud if loud else None
+        name_spikes(state, even, mean, height_of(mean), seed, quiet)
+    else:
+        name_clear_spikes(state, even, height_of(mean), seed)
+    if loud or state.contamination is not None:
+        refit(state)
+    return False
+
+
+def _name_tall_spikes(state: Investigation, seed: int) -> None:
+    """Name spikes that hide the rest, by what is made white without them."""
+    recorded = state.values
+    tall, errors = take_out_spikes(state)
+    if not tall.any():
+        return
+    mean = level(state.left, state.variance)
+    even, others = _white(state, ()), Others(state)
+    height = height_of(mean) if others.white else others.height
+    even[tall] = errors * height
+    name_spikes(state, even, mean, height, seed)
+    if state.contamination is None:
+        put_back(state, recorded)
+    refit(state)
+
+
+def _knocked(
+    state: Investigation,
+    white: Float[np.ndarray, " looked_at"],
+    even: Float[np.ndarray, " looked_at"],
+) -> Modulation | None:
+    """Times in which short spectra of `even` noise stand out, if they do and are brief."""
+    tail = 1.0 if state.format.normal else _LONGER_TAIL
+    brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN), tail)
+    state.witness(
+        "bursts",
+        brief.ratio,
+        float(np.exp(brief.log_p)),
+        "Short spectra of the whitened record, scanned for tiles that stand out.",
+    )
+    apart = away_from_edges(state, brief.loud)
+    unlikely = brief.log_p < np.log(state.alarm) and apart.any()
+    hidden = not state.format.normal and _discrete.codes_over_noise(state) > _discrete.BRIEF
+    if not unlikely or hidden or brief.loud.mean() >= BRIEF_SHARE:
+        return None
+    return as_modulation(white, brief._replace(loud=apart))
+
+
+def _evened(
+    white: Float[np.ndarray, " samples"], changing: Modulation
+) -> Float[np.ndarray, " samples"]:
+    """As strong at loud times as at quiet ones, but for spikes."""
+    loud = changing.loud
+    if changing.strength is not None:
+        even = white / changing.strength
+    else:
+        even = np.where(loud, white / white[loud].std(), white / white[~loud].std())
+        # Where they begin and end is known to a window: what is strong there is no spike.
+        for edge in np.flatnonzero(np.diff(loud)) + 1:
+            near = even[max(edge - changing.window, 0) : edge + changing.window]
+            near /= max(1.0, 1.4826 * float(np.median(np.abs(near))))
+    return even / np.std(np.clip(even, -PULLED_IN, PULLED_IN))
+
+
+def _at_the_ends(state: Investigation) -> Modulation | None:
+    """Samples at the ends of stretches that are wrong."""
+    found = [(piece, wrong_ends(state.values[slice(*piece)])) for piece in state.long_pieces]
+    wrong = [(piece, ends) for piece, ends in found if ends is not None]
+    if not wrong:
+        return None
+    loud = np.zeros(state.values.size, bool)
+    for piece, ends in wrong:
+        loud[slice(*piece)] = ends.loud
+    worst = max((ends for _, ends in wrong), key=lambda ends: ends.ratio)
+    return worst._replace(loud=loud[state.looked_at])
+
+
+def _cut_while_quiet(state: Investigation, changing: Modulation) -> bool:
+    """Whether more samples stand at the rails in quiet times: these are quiet since they are cut.
+
+    Noise that is stronger at times reaches its rails more often then.
+    """
+    cut = np.isin(state.values[state.looked_at], state.format.rails)
+    return bool(np.mean(cut[~changing.loud]) > np.mean(cut[changing.loud]))
+
+
+def _name_loud_times(state: Investigation, changing: Modulation, gain: Gain) -> None:
+    log_p = float(np.log(max(changing.p_value, 1e-300)))
+    state.modulation = changing
+    state.findings.append(Finding("variance_modulation", log_p, 0.0, detail=changing))
+    state.gains["variance_modulation"] = gain
+
+
+def _count_out(state: Investigation, changing: Modulation) -> None:
+    """Count white variance out of N that only loud times have."""
+    added = _loud_variance(state, changing)
+    # As loud as it gets, in all of the spectrum or in the white part of it.
+    share = float(changing.loud.mean())
+    quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
+    louder = max(changing.ratio**2 - 1, _WEAKEST)
+    part = max(1.0, added / share / quiet / louder)
+    strength = np.maximum(1 + part * (changing.deviation() ** 2 - 1), _WEAKEST)
+    dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
+    state.spectrum = state.spectrum._replace(dilution=dilution)
+    state.foreign += added
+    state.loud_variance = added
+    rebin(state)
+
+
+def _modulation_of_n(
+    state: Investigation, white: Float[np.ndarray, " samples"], seed: int
+) -> tuple[Modulation, Float[np.ndarray, " values"]]:
+    """When the noise is loud, and the white values that tell.
+
+    Where quantization rules high frequencies, N changes unheard among all samples. Sums of so many
+    that N rules below their Nyquist frequency are independent as well, and tell of it.
+    """
+    found = modulation(white, seed)
+    size = _samples_of_n(state)
+    if size == 1:
+        return found, white
+    sums = white[: white.size // size * size].reshape(-1, size).sum(axis=1) / np.sqrt(size)
+    slow = modulation(sums, seed)
+    p_value = min(2 * found.p_value, 2 * slow.p_value, 1.0)
+    # The less likely one says when it is loud, unless it cannot.
+    if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -slow.p_value):
+        return found._replace(p_value=p_value), white
+    found = slow.of(of_samples(np.arange(sums.size), size, white.size))
+    odds = None if found.odds is None else found.odds / size
+    return found._replace(window=slow.window * size, p_value=p_value, odds=odds), sums
+
+
+def _samples_of_n(state: Investigation) -> int:
+    """As many samples together tell most of N: the square of its share in them, for each sample."""
+    share = np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
+    sizes = 2 ** np.arange(_MOST_DOUBLINGS)
+    sizes = sizes[0.5 / sizes >= state.left.frequency[0]]
+    told = [np.mean(share[state.left.frequency <= 0.5 / size]) ** 2 / size for size in sizes]
+    return int(sizes[np.argmax(told)]) if max(told) > _CLEARER * told[0] else 1
+
+
+def forget_loud_times(state: Investigation) -> None:
+    """Take them back: what was stronger then is not the noise."""
+    state.modulation = None
+    state.foreign -= state.loud_variance
+    state.loud_variance = 0.0
+    state.spectrum = state.spectrum._replace(dilution=1.0)
+    state.findings = [each for each in state.findings if each.name != "variance_modulation"]
+    state.gains.pop("variance_modulation", None)
+    rebin(state)
+    refit(state)
+
+
+def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray, " looked_at"]:
+    """What is asked whether it lasts."""
+    # What comes in place of wrong samples behind a filter may be off by more than the little that
+    # it leaves.
+    mended = state.contamination is not None and not Others(state).white
+    share = _HEARD if mended else 1.0
+    return np.concatenate(
+        [
+            without_ends(whitened_piece(state, piece, notches, share=share))
+            for piece in state.long_pieces
+        ]
+    )
+
+
+def _loud_variance(state: Investigation, changing: Modulation) -> float:
+    """White variance that loud times add to the mean of all [u^2].
+
+    The quiet times alone, as stretches of a record of their own, have an N of their own.
+    """
+    calm = ~state.flags(changing.loud)
+    quiet = tuple(
+        state.values[start + a : start + b]
+        for start, stop in state.long_pieces
+        for a, b in runs(calm[start:stop])
+        if b - a >= _SHORTEST_QUIET
+    )
+    if not quiet:
+        return 0.0
+    spectrum = ordinates(quiet, state.sampling)
+    bins = binned(spectrum, bin_edges(spectrum.longest))
+    data = state.data._replace(bins=bins, samples=float(spectrum.longest))
+    alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
+    # Behind a filter five terms know no N, and loud times add nothing to nothing.
+    return max(float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1])), 0.0)
+
+
+def loudness(state: Investigation, changing: Modulation) -> Float[np.ndarray, "samples columns"]:
+    """Local variance of the fast noise [u^2], centred: what may rectify."""
+    if state.vibration is not None:
+        course = state.vibration.course if changing.strength is not None else changing.loud
+        added = state.vibration.variance * course
+    else:
+        power = changing.deviation() ** 2
+        added = (power - 1) / power.mean()
+        # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
+        added /= float(np.mean(2 / state.variance))
+    column = np.zeros(state.values.size)
+    column[state.looked_at] = added
+    return (column - column[state.looked_at].mean())[:, None]

@@ -1,0 +1,313 @@
+"""Whether noise is as strong at all times: loud and quiet ones, or a strength that varies.
+
+It looks at the whitened record, which is independent and standard normal when nothing is amiss, so
+that the test has a null distribution that does not depend on the sensor.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int, Shaped
+from scipy.fft import irfft, next_fast_len, rfft
+from scipy.stats import chi2, f
+
+from ._varying import varying
+
+# Whitened samples beyond this are pulled in before variances are compared in time.
+PULLED_IN = 4.0
+_SHORTEST_WINDOW = 32
+_FEWEST_WINDOWS = 8
+# Windows from this length on are compared with neighbouring short ones, unless the sum of squared
+# correlations is more than this.
+_LONG_WINDOW, _UNCORRELATED = 16 * _SHORTEST_WINDOW, 0.01
+# Samples apart up to which the whitened record may be correlated.
+_LAGS = 1024
+# Windows of at most this many are told apart by the hidden Markov model.
+_MOST_WINDOWS = 4096
+# From such a chance on the strength is followed, and levels are measured so many times over.
+_UNEVEN, _AGAIN = 1e-3, 3
+# Loud for less of the record, and by more, is a knock and no change of the noise.
+KNOCK_SHARE, KNOCK_RATIO = 0.15, 2.0
+# How much louder the loud times may be than the quiet ones, to begin with.
+_EXCESSES = (0.03, 0.1, 0.3, 1.0, 10.0)
+
+Samples = Float[np.ndarray, " samples"]
+Flags = Bool[np.ndarray, " samples"]
+Windows = Float[np.ndarray, " windows"]
+
+
+class Modulation(NamedTuple):
+    """Two levels of variance, or a course of it."""
+
+    #: Standard deviation of the loud times over that of the quiet ones, and draws of that.
+    ratio: float
+    draws: Float[np.ndarray, " draws"]
+    #: Which samples are loud.
+    loud: Bool[np.ndarray, " samples"]
+    #: Samples a window, and the chance of windows as uneven as these.
+    window: int
+    p_value: float
+    #: Where there is more to it than two levels: the standard deviation of each sample over that of
+    #: the quiet times, and draws of the largest over the smallest.
+    strength: Float[np.ndarray, " samples"] | None = None
+    extremes: Float[np.ndarray, " draws"] | None = None
+    #: The log of how much likelier each sample is of the loud times, where two levels tell.
+    odds: Float[np.ndarray, " samples"] | None = None
+
+    def of(self, kept: Shaped[np.ndarray, " _"]) -> "Modulation":
+        """The same of some of the samples, by flags or by their places."""
+        strength = None if self.strength is None else self.strength[kept]
+        odds = None if self.odds is None else self.odds[kept]
+        return self._replace(loud=self.loud[kept], strength=strength, odds=odds)
+
+    def sharp(self) -> "Modulation":
+        """With each edge of the loud times where the likelihood has it, a window away at most.
+
+        What is cut out as a knock is not sharp: its tail is quieter.
+        """
+        if self.odds is None:
+            return self
+        before = np.concatenate([[0.0], np.cumsum(self.odds)])
+        edges, last = np.flatnonzero(np.diff(self.loud)) + 1, self.loud.size - 1
+        for i, edge in enumerate(edges):
+            low = max(edge - self.window, edges[i - 1] + 1 if i else 1)
+            high = min(edge + self.window, edges[i + 1] - 1 if i + 1 < edges.size else last)
+            sign = -1 if self.loud[edge] else 1
+            edges[i] = low + int(np.argmax(sign * before[low : high + 1]))
+        within = np.searchsorted(edges, np.arange(self.loud.size), side="right") % 2 == 1
+        return self._replace(loud=within != self.loud[0])
+
+    def deviation(self) -> Float[np.ndarray, " samples"]:
+        """Of each sample, over that of the quiet times."""
+        return np.where(self.loud, self.ratio, 1.0) if self.strength is None else self.strength
+
+
+def local_power(white: Float[np.ndarray, " samples"], window: int) -> Float[np.ndarray, " windows"]:
+    """Mean square in windows, spikes pulled in."""
+    count = white.size // window
+    pulled = np.clip(white[: count * window], -PULLED_IN, PULLED_IN)
+    return np.mean(pulled.reshape(count, window) ** 2, axis=1)
+
+
+def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
+    """The chance that windowed variances differ as they do, and the window that says so best.
+
+    Last, the variance of the mean square of so many samples, times their number.
+
+    For independent samples the mean squares of W windows of m samples scatter with the variance of
+    one square over m, whatever the distribution: their sum of squares is chi-square with W - 1
+    degrees of freedom. Windows double in length; Bonferroni over them.
+
+    Where whitening left a correlation r_k, as beside the zeros of a filter, squares of normal
+    samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more. Uncorrelated samples
+    that are not normal, such as rounded angles made white, have squares that are correlated with
+    their neighbours. Long windows are therefore compared with how neighbouring short ones differ.
+    """
+    if not white.any():
+        return 1.0, _SHORTEST_WINDOW, 1.0
+    squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
+    correlation = _squared_correlation(white)
+    one = float(np.var(squares)) * (1 + 2 * correlation)
+    steps = np.diff(local_power(white, _SHORTEST_WINDOW))
+    # Of differences of neighbours, each in two of them, two thirds are degrees of freedom.
+    measured, freedom = float(np.mean(steps**2)) / 2 * _SHORTEST_WINDOW, 2 * steps.size / 3
+    plain = correlation < _UNCORRELATED
+    best, at, levels = 1.0, _SHORTEST_WINDOW, 0
+    window = _SHORTEST_WINDOW
+    while white.size // window >= _FEWEST_WINDOWS:
+        power = local_power(white, window)
+        scatter = float(np.var(power, ddof=1)) * window
+        if window >= _LONG_WINDOW and plain:
+            chance = float(f.sf(scatter / measured, power.size - 1, freedom))
+        else:
+            chance = float(chi2.sf(scatter / one * (power.size - 1), power.size - 1))
+        levels += 1
+        if chance < best:
+            best, at = chance, window
+        window *= 2
+    return min(1.0, best * max(levels, 1)), at, measured if plain else one
+
+
+def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
+    """The sum of squared correlations over the first lags, less what chance makes of it."""
+    length = next_fast_len(white.size + _LAGS, real=True)
+    power = np.abs(np.asarray(rfft(white, length))) ** 2
+    covariance = np.asarray(irfft(power, length))[: _LAGS + 1]
+    correlation = covariance[1:] / np.maximum(covariance[0], 1e-300)
+    return max(float(np.sum(correlation**2)) - _LAGS / white.size, 0.0)
+
+
+def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
+    """When the noise is loud and when quiet: a hidden Markov model of two variances."""
+    p_value, window, variance = uneven(white)
+    window = max(window // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
+    power = local_power(white, window)
+    # So many independent normal samples have as certain a mean square.
+    weight = float(2 * np.mean(power) ** 2 * window / variance)
+    labels = _levels(power, weight)
+    path = labels > 0
+    samples = of_samples(path, window, white.size)
+    quiet = loud = float(power.mean())
+    odds = None
+    if path.any():
+        quiet, loud = _variances(white, samples.astype(int), window)
+        odds = _odds(white, quiet, loud)
+    rng = np.random.default_rng(seed)
+    freedom = np.maximum([np.sum(~path) * weight, np.sum(path) * weight], 2)
+    spread = np.sqrt(2 / freedom)
+    log_ratio = np.log(loud / quiet) / 2
+    draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
+    found = Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value, odds=odds)
+    return _with_strength(found, white, labels, weight, seed) if p_value < _UNEVEN else found
+
+
+def of_samples(
+    windows: Shaped[np.ndarray, " windows"], window: int, samples: int
+) -> Shaped[np.ndarray, " samples"]:
+    """What is true of windows, of their samples; of those beyond the last, what is of it."""
+    return windows[np.minimum(np.arange(samples) // window, windows.size - 1)]
+
+
+def _odds(white: Samples, quiet: float, loud: float) -> Samples:
+    """The log of how much likelier each sample is with the variance of the loud times."""
+    squares = np.minimum(white**2, PULLED_IN**2 * max(quiet, loud))
+    return (squares * (1 / quiet - 1 / loud) - np.log(loud / quiet)) / 2
+
+
+def _variances(
+    white: Samples, of: Int[np.ndarray, " samples"], window: int
+) -> Float[np.ndarray, " levels"]:
+    """Of the samples of each level, pulled in where these themselves are far.
+
+    Loud noise has many beyond what is far for all. Beside a change a window has samples of both.
+    """
+    inside = np.ones(white.size, bool)
+    for edge in np.flatnonzero(np.diff(of)) + 1:
+        inside[max(edge - window, 0) : edge + window] = False
+    return np.array([_variance(white, of == each, inside) for each in range(int(of.max()) + 1)])
+
+
+def _variance(white: Samples, of: Flags, inside: Flags) -> float:
+    """Of some samples, those `inside` where there are any."""
+    values = white[of & inside] if (of & inside).any() else white[of]
+    level = float(np.mean(np.clip(values, -PULLED_IN, PULLED_IN) ** 2))
+    for _ in range(_AGAIN):
+        far = PULLED_IN * np.sqrt(level)
+        level = float(np.mean(np.clip(values, -far, far) ** 2))
+    return level
+
+
+def _with_strength(
+    found: Modulation, white: Samples, labels: Int[np.ndarray, " windows"], weight: float, seed: int
+) -> Modulation:
+    """The course of the strength beside two levels, where it is more than these."""
+    middles = ((np.arange(labels.size) + 0.5) * found.window).astype(int)
+    strength, draws = np.ones(white.size), None
+    for _ in range(_AGAIN):
+        power = local_power(white / strength, found.window) * strength[middles] ** 2
+        told = varying(power, weight, labels, seed)
+        if told is None:
+            return _with_levels(found, white, labels, weight, seed)
+        course, draws = told
+        strength = np.exp(np.interp(np.arange(white.size), middles, course) / 2)
+    assert draws is not None
+    strength /= np.sqrt(np.mean(strength[~found.loud] ** 2))
+    return found._replace(
+        strength=strength, extremes=np.exp((draws.max(axis=1) - draws.min(axis=1)) / 2)
+    )
+
+
+def _with_levels(
+    found: Modulation, white: Samples, labels: Int[np.ndarray, " windows"], weight: float, seed: int
+) -> Modulation:
+    """More than two levels, if there are."""
+    count = int(labels.max()) + 1
+    if count < 3:
+        return found
+    of = of_samples(labels, found.window, white.size)
+    levels = _variances(white, of, found.window)
+    windows = np.array([np.sum(labels == each) for each in (np.argmin(levels), np.argmax(levels))])
+    ratio = np.log(levels.max() / levels.min()) / 2
+    spread = np.sqrt(2 / (windows * weight))
+    noise = np.random.default_rng(seed).standard_normal(2000) * np.hypot(*spread) / 2
+    strength = np.sqrt(levels / levels[0])[of]
+    return found._replace(strength=strength, extremes=np.exp(ratio + noise))
+
+
+def _levels(power: Windows, weight: float) -> Int[np.ndarray, " windows"]:
+    """Which level each window is of, from the quietest: two, and each of them two if it must be."""
+    path, *_ = _two_levels(power, weight)
+    labels = path.astype(int)
+    if not path.any() or path.all():
+        return np.zeros(power.size, int)
+    if path.mean() < KNOCK_SHARE:
+        # Perhaps a knock, which is looked at first, by itself.
+        return labels
+    for place in (1, 0):
+        mine = path == place
+        own = power[mine]
+        uneven = float(np.sum((own / own.mean() - 1) ** 2)) * weight / 2
+        if own.size < _FEWEST_WINDOWS or chi2.sf(uneven, own.size - 1) > _UNEVEN:
+            continue
+        within = _levels(own, weight)
+        if place == 0:
+            labels[~mine] += within.max()
+        labels[mine] += within
+    return labels
+
+
+def _two_levels(
+    power: Float[np.ndarray, " windows"], samples: float
+) -> tuple[Bool[np.ndarray, " windows"], float, float]:
+    """The likeliest path between two variances, and the two; begun from several ratios."""
+    mean = float(power.mean())
+    best = np.zeros(power.size, bool), mean, mean
+    # Leaving a level must be worth some evidence, or noise would chop intervals up; it is asked for
+    # less where that leaves nothing.
+    for price in np.log(power.size) + np.array([2.0, 0.0]):
+        highest = _likelihood(power, mean, samples).sum()
+        for excess in _EXCESSES:
+            # As if a third of the time were loud.
+            quiet = mean / (1 + excess / 3)
+            path, *levels, score = _climbed(power, samples, price, quiet, quiet * (1 + excess))
+            if score > highest:
+                best, highest = (path, levels[0], levels[1]), score
+        if best[0].any():
+            break
+    return best
+
+
+def _climbed(
+    power: Float[np.ndarray, " windows"], samples: float, price: float, quiet: float, loud: float
+) -> tuple[Bool[np.ndarray, " windows"], float, float, float]:
+    """Path and levels by turns (Viterbi), and their log-likelihood less the price of changes."""
+    path = np.zeros(power.size, bool)
+    for _ in range(20):
+        likelihood = np.stack([_likelihood(power, level, samples) for level in (quiet, loud)])
+        score = likelihood[:, 0]
+        came = np.zeros((2, power.size), int)
+        for t in range(1, power.size):
+            across = score[::-1] - price
+            came[:, t] = np.where(across > score, [1, 0], [0, 1])
+            score = np.maximum(score, across) + likelihood[:, t]
+        found = np.zeros(power.size, int)
+        found[-1] = int(np.argmax(score))
+        for t in range(power.size - 1, 0, -1):
+            found[t - 1] = came[found[t], t]
+        same = np.array_equal(found.astype(bool), path)
+        path = found.astype(bool)
+        if not path.any() or path.all():
+            return path, quiet, loud, -np.inf
+        quiet, loud = float(power[~path].mean()), float(power[path].mean())
+        if same:
+            break
+    if loud < quiet:
+        path, quiet, loud = ~path, loud, quiet
+    return path, quiet, loud, float(score.max())
+
+
+def _likelihood(
+    power: Float[np.ndarray, " windows"], level: float, samples: float
+) -> Float[np.ndarray, " windows"]:
+    """The log-likelihood of mean squares of so many samples, Gamma variates about a level."""
+    return -samples / 2 * (np.log(level) + power / level)

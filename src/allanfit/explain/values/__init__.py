@@ -1,0 +1,1 @@
+"""What values and time stamps tell by themselves: codes, copies, rails, spikes, clocks."""

@@ -1,0 +1,202 @@
+"""Single samples that are wrong, among noise that is not white: errors in transmission.
+
+Behind a filter, a record made white shows one wrong sample as many, for its inverse rings. What all
+other samples leave open about one is little there. A sample less what they expect, by the inverse
+of the covariance, is the matched filter of such an error; in white noise it is the sample itself.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.ndimage import maximum_filter1d
+from scipy.sparse.linalg import LinearOperator, cg
+from scipy.stats import binom, norm
+
+from .._refit import rebin, refit
+from .._state import Investigation
+from ..spectrum._ordinates import amplitudes
+from ..spectrum._whiten import END, level, mode_frequency, precision, shaped
+
+# A white record shows a wrong sample in one place if it keeps so much of its height.
+_WHITE = 0.9
+# Of what stands out this near together, the highest is the one that is wrong, or the first of them.
+_NEAR = 16
+# What is lower than the highest by more than this may be its echo.
+_ECHO = 0.5
+# The lower wrong samples stand out once the spectrum is known without the higher ones. Most records
+# need three passes of six rounds; without an end two places might change about.
+_PASSES, _ROUNDS = 6, 30
+# Solved so exactly, errors of what others expect are far below the noise.
+_EXACT, _MOST_STEPS = 1e-5, 200
+# The chance of so many near together from which on they are no single samples.
+_TOGETHER = 1e-6
+
+
+class Others:
+    """What all other samples say of each, by the spectrum that is left."""
+
+    def __init__(self, state: Investigation) -> None:
+        expected = level(state.left, state.variance)
+        self._sizes = [stop - start for start, stop in state.long_pieces]
+        self._weights = [precision(size, state.left, expected) for size in self._sizes]
+        every = np.concatenate(self._weights)
+        #: How tall an error of one unit is over what they leave open [1/u].
+        self.height = float(np.sqrt(np.mean(every)))
+        #: Whether a record made white shows an error in one sample.
+        self.white = float(np.mean(np.sqrt(every))) > _WHITE * self.height
+
+    def contradict(
+        self, values: Float[np.ndarray, " looked_at"], *, slowest: float = 0.0
+    ) -> Float[np.ndarray, " looked_at"]:
+        """How far each is from what they expect, times the square of `height` [1/u].
+
+        From the frequency `slowest` on [cycles per sample].
+        """
+        begins = np.cumsum(self._sizes)[:-1]
+        return np.concatenate(
+            [
+                shaped(piece, np.where(mode_frequency(piece.size) < slowest, 0.0, weights))
+                for piece, weights in zip(np.split(values, begins), self._weights, strict=True)
+            ]
+        )
+
+    def expect(
+        self, values: Float[np.ndarray, " looked_at"], wrong: Int[np.ndarray, " wrong"]
+    ) -> Float[np.ndarray, " wrong"]:
+        """The likeliest values of those that are `wrong`, whatever they are."""
+        if wrong.size == 0:
+            return np.zeros(0)
+        start = values.copy()
+        start[wrong] = np.median(values)
+        need = -self.contradict(start)[wrong]
+        among = _Among(self, wrong, values.size)
+        return start[wrong] + cg(among, need, rtol=_EXACT, maxiter=_MOST_STEPS)[0]
+
+    def filled(
+        self, state: Investigation, wrong: Bool[np.ndarray, " looked_at"]
+    ) -> Float[np.ndarray, " samples"]:
+        """All values, with what others expect in place of those that are `wrong`."""
+        calm = state.calm[state.looked_at]
+        values = state.values.copy()
+        values[state.looked_at[wrong]] += self.expect(calm, np.flatnonzero(wrong)) - calm[wrong]
+        return values
+
+    def steps_gain(
+        self,
+        values: Float[np.ndarray, " looked_at"],
+        at: Int[np.ndarray, " at"],
+        errors: Float[np.ndarray, " at"],
+    ) -> Float[np.ndarray, " at"]:
+        """What a step beside a sample gains over its error, in twice the log-likelihood.
+
+        At half the sampling rate a step is like an error of half its size. Slow drifts tell
+        nothing. The `values` are without the errors.
+        """
+        slowest = 1 / (2 * _NEAR)
+        fast = [np.where(mode_frequency(w.size) < slowest, 0.0, w) for w in self._weights]
+        swing = [4 * np.sin(np.pi * np.maximum(mode_frequency(w.size), slowest)) ** 2 for w in fast]
+        spike = float(np.mean(np.concatenate(fast)))
+        step = np.mean(np.concatenate([w / each for w, each in zip(fast, swing, strict=True)]))
+        # A step is the sum of errors from its place on. That of the error itself is symmetric.
+        summed = np.cumsum(self.contradict(values, slowest=slowest))
+        after, before = summed[at], summed[at - 1]
+        own = errors * spike / 2
+        by_step = np.maximum(np.abs(after + own), np.abs(before - own))
+        return by_step**2 / step - errors**2 * spike
+
+
+class _Among(LinearOperator):
+    """The rows and columns of wrong samples of the inverse of the covariance."""
+
+    def __init__(self, others: Others, wrong: Int[np.ndarray, " wrong"], samples: int) -> None:
+        super().__init__(float, (wrong.size, wrong.size))
+        self._others, self._wrong, self._samples = others, wrong, samples
+
+    def _matvec(self, x: Float[np.ndarray, " wrong"]) -> Float[np.ndarray, " wrong"]:
+        moved = np.zeros(self._samples)
+        moved[self._wrong] = x
+        return self._others.contradict(moved)[self._wrong]
+
+
+def behind_filter(
+    state: Investigation, known: Bool[np.ndarray, " looked_at"]
+) -> tuple[Bool[np.ndarray, " looked_at"], Float[np.ndarray, " samples"]] | None:
+    """Samples that are `known` to be wrong and all that others contradict, and values without.
+
+    Where noise is white there is nothing to tell, for it hides no error by itself.
+    """
+    # How white the noise is shows without the errors, which are white.
+    trial = replace(state)
+    calm = state.calm[state.looked_at]
+    reach = float(norm.isf(state.alarm / 2 / calm.size))
+    wrong, refused = known.copy(), _ends(state)
+    for _ in range(_PASSES):
+        before, others = wrong, Others(trial)
+        wrong = _stand_out(others, calm, known, wrong, refused, reach)
+        if wrong.any():
+            trial.values = others.filled(state, wrong)
+            read_again(trial)
+            refit(trial)
+        # What was put in place of the last ones knows of them.
+        if np.array_equal(wrong, before):
+            break
+    return None if Others(trial).white else (wrong, trial.values)
+
+
+def _stand_out(
+    others: Others,
+    calm: Float[np.ndarray, " looked_at"],
+    known: Bool[np.ndarray, " looked_at"],
+    wrong: Bool[np.ndarray, " looked_at"],
+    refused: Bool[np.ndarray, " looked_at"],
+    reach: float,
+) -> Bool[np.ndarray, " looked_at"]:
+    """The `wrong` samples and all that others contradict beside them, the highest first.
+
+    What turns out to be none is `refused` from then on.
+    """
+    wrong, filled = wrong.copy(), calm.copy()
+    for _ in range(_ROUNDS):
+        at = np.flatnonzero(wrong)
+        filled[at] = others.expect(calm, at)
+        high = np.abs(others.contradict(filled)) / others.height
+        peaks = (high == maximum_filter1d(high, 2 * _NEAR + 1)) & ~refused
+        more = peaks & (high > max(reach, _ECHO * np.max(high, where=peaks, initial=0.0)))
+        if not more.any():
+            break
+        refused |= _together(wrong | more) & ~known
+        wrong = (wrong | more) & ~refused
+    at = np.flatnonzero(wrong & ~known)
+    errors = calm[at] - filled[at]
+    gain = others.steps_gain(filled, at, errors)
+    # One by one where it is clear, and else all together.
+    clear = gain > reach**2
+    refused[at[clear | (np.sum(gain[~clear]) > 0)]] = True
+    wrong[at[np.abs(errors) * others.height < reach]] = False
+    return wrong & (known | ~refused)
+
+
+def _ends(state: Investigation) -> Bool[np.ndarray, " looked_at"]:
+    """What is not made white."""
+    sizes = [stop - start for start, stop in state.long_pieces]
+    from_ends = [np.minimum(np.arange(size), np.arange(size)[::-1]) for size in sizes]
+    return np.concatenate(from_ends) < END
+
+
+def _together(wrong: Bool[np.ndarray, " looked_at"]) -> Bool[np.ndarray, " looked_at"]:
+    """Those that are close together, if more are than would be by chance: a knock."""
+    at = np.flatnonzero(wrong)
+    gaps = np.concatenate([[np.inf], np.diff(at), [np.inf]])
+    near = np.minimum(gaps[:-1], gaps[1:]) <= _NEAR
+    chance = 1 - (1 - at.size / wrong.size) ** (2 * _NEAR)
+    together = np.zeros(wrong.size, bool)
+    together[at[near]] = binom.sf(near.sum() - 1, at.size, chance) < _TOGETHER
+    return together
+
+
+def read_again(state: Investigation) -> None:
+    """The spectrum of the values as they are now."""
+    parts = tuple(state.values[start:stop] for start, stop in state.pieces)
+    state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
+    rebin(state)

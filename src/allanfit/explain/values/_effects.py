@@ -1,0 +1,92 @@
+"""Effects that values and their times tell by themselves, without a spectrum."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...recording._checks import usable
+from .._effect import Effect
+from .._intervals import runs
+from .._state import Finding, Investigation
+
+#: What is certain from the values alone is still only as certain as this, and a line.
+SURE, LINE = 0.99, 0.97
+# A strength that varies is told at so many times.
+_KNOTS = 257
+
+
+def seconds(state: Investigation, pairs: Sequence[tuple[int, int]], dt: float) -> list[list[float]]:
+    """Intervals of values in seconds since the recording began."""
+    return [[state.moment(a) * dt, state.moment(b) * dt] for a, b in pairs]
+
+
+def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    count = finding.detail * state.values.size
+    spread = np.sqrt(count) / state.values.size
+    return [
+        Effect(
+            "dropped_samples",
+            SURE,
+            {},
+            {"fraction": np.abs(finding.detail + spread * rng.standard_normal(2000))},
+        )
+    ]
+
+
+def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    chance = min(SURE, state.rate_rounded)
+    return [Effect("output_rounding", chance, {}, {"lsb": np.full(2, state.format.width)})]
+
+
+def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    repeat = finding.detail
+    values = repeat.samples + repeat.deviation * rng.standard_normal(2000)
+    if state.stride == 1:
+        return [Effect("sample_hold", SURE, {}, {"repeat": values})]
+    told = {"repeat": values, "regular": np.ones(2)}
+    return [Effect("sample_hold", SURE, {}, told, note=f"{1 / dt:.5g} Hz")]
+
+
+def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    rails = state.format.rails
+    told = {"limit": float(np.max(np.abs(rails)))}
+    # Not as far below zero as above it: each by itself.
+    if len(rails) == 1 or abs(sum(rails)) > state.format.width + 1e-6 * told["limit"]:
+        middle = float(np.median(usable(state.values, state.pieces)))
+        told |= {"low" if rail < middle else "high": rail for rail in rails}
+    return [Effect("saturation", SURE, {}, {name: np.full(2, at) for name, at in told.items()})]
+
+
+def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    drawn = finding.detail.draws
+    return [Effect("outliers", LINE, {}, {"fraction": drawn[:, 0], "amplitude": drawn[:, 1]})]
+
+
+def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    changing = finding.detail
+    times = seconds(state, runs(state.flags(changing.loud)), dt)
+    ratio, lists = changing.draws, {"intervals": times}
+    if changing.strength is not None:
+        at = np.unique(np.linspace(0, changing.strength.size - 1, _KNOTS).round().astype(int))
+        moments = [state.moment(int(value)) * dt for value in state.looked_at[at]]
+        ratio = changing.extremes
+        lists |= {"times": moments, "strengths": [float(each) for each in changing.strength[at]]}
+    return [Effect("variance_modulation", 0.95, {"disturbance": 0.03}, {"ratio": ratio}, lists)]
+
+
+def _knocked(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
+    times = seconds(state, state.knocks, dt)
+    others = {"variance_modulation": 0.08}
+    return [Effect("disturbance", 0.9, others, {}, {"intervals": times})]
+
+
+#: Makes the effects of a finding, by its name.
+MAKERS = {
+    "output_rounding": _rounded,
+    "sample_hold": _held,
+    "saturation": _clipped,
+    "outliers": _spiky,
+    "variance_modulation": _modulated,
+    "disturbance": _knocked,
+    "dropped_samples": _dropped,
+}

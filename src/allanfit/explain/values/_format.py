@@ -1,0 +1,108 @@
+"""How samples were made: held, rounded, clipped. Told from the values alone, and for sure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import binom
+
+from ...recording._checks import (
+    code_width,
+    fresh_deviation,
+    local_deviation,
+    rails,
+    repeated,
+    usable,
+    wide,
+)
+from .._intervals import runs
+
+# A code this wide beside the local noise adds 0.5 % to its variance, and an engineer should know.
+_COARSE = 0.25
+# Up to here rounded noise is as good as normal; wider codes look like outliers.
+_DISCRETE = 0.5
+# Log of a chance below which chances are all alike.
+_SURE = -1e4
+_WINDOW = 64
+# Windows with as many samples at a rail show no noise, and with as many it is cut.
+_STUCK, _CUT = 0.9, 0.1
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Samples that repeat the one before."""
+
+    #: Mean samples for each fresh value, and the standard deviation of that.
+    samples: float
+    deviation: float
+    log_p: float
+
+
+@dataclass(frozen=True)
+class Format:
+    """What the values say of how they were made."""
+
+    #: Difference between neighbouring codes, and whether it matters beside the noise.
+    width: float
+    coarse: bool
+    #: Whether codes are so wide that rounded noise is not normal.
+    discrete: bool
+    #: Local standard deviation of the samples.
+    sigma: float
+    rails: tuple[float, ...]
+    #: Share of the samples at the rails.
+    clipped: float
+    repeat: Repeat | None
+
+    @property
+    def normal(self) -> bool:
+        """Whether values are as normal and as independent as their noise."""
+        return not self.discrete and self.repeat is None
+
+
+def sample_format(
+    values: Float[np.ndarray, " samples"], pieces: tuple[tuple[int, int], ...]
+) -> Format:
+    """Look at the values of all stretches [u]."""
+    used = usable(values, pieces)
+    width = code_width(used)
+    sigma = local_deviation(used)
+    whole = sigma or fresh_deviation(used)
+    coarse, discrete = (width > part * whole for part in (_COARSE, _DISCRETE))
+    ends = () if wide(width, whole) else rails(used, width)
+    clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
+    return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(used, ends, width))
+
+
+def stuck(
+    values: Float[np.ndarray, " samples"], pieces: tuple[tuple[int, int], ...], made: Format
+) -> list[tuple[int, int]]:
+    """`[start, stop)` of times at a rail, from where noise is cut to where it is whole again."""
+    if not made.rails:
+        return []
+    found = []
+    for start, stop in pieces:
+        count = (stop - start) // _WINDOW
+        windows = np.isin(values[start : start + count * _WINDOW], made.rails)
+        share = windows.reshape(count, _WINDOW).mean(axis=1)
+        found += [
+            (start + a * _WINDOW, start + b * _WINDOW if b < count else stop)
+            for a, b in runs(share > _CUT)
+            if np.any(share[a:b] > _STUCK)
+        ]
+    return found
+
+
+def _repeat(
+    used: Float[np.ndarray, " usable"], ends: tuple[float, ...], width: float
+) -> Repeat | None:
+    found = repeated(used, ends, width)
+    if not found.beyond:
+        return None
+    chance = max(found.most_by_chance, 1e-9)
+    log_p = float(binom.logsf(int(found.share * used.size) - 1, used.size, chance))
+    # Neighbours that rounding alone makes equal are no repeats.
+    mean = 1 / (1 - (found.share - found.by_chance))
+    # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
+    variance = (found.share * (1 - found.share) + found.by_chance) / used.size
+    return Repeat(mean, mean**2 * variance**0.5, max(log_p, _SURE))

@@ -1,0 +1,78 @@
+"""Samples that were held, rounded or clipped, and whether their codes are those of an angle."""
+
+import numpy as np
+
+from ...recording._checks import usable
+from .._refit import rebin, refit
+from .._state import Finding, Investigation
+from ..spectrum import _search
+from ..spectrum._climb import log_scatter
+from ._codes import UNROUNDED, Rounding, rounding
+from ._held_out import of_codes, of_rails
+
+# Beside this part of the noise a code's width says nothing.
+_FINE = 0.05
+# So many logs of rates for one of differences of an angle, among those with coarse codes.
+_RATES = 3.0
+# How exactly that Q is expected, in the logarithm of its square.
+_ROUGH = 0.02
+
+
+def about_format(state: Investigation) -> None:
+    """Samples that were held, rounded or clipped: known for sure, modelled as they were made."""
+    made, used = state.format, usable(state.values, state.pieces)
+    if made.repeat is not None:
+        state.name_once(Finding("sample_hold", made.repeat.log_p, 0.0, detail=made.repeat))
+        state.data = state.data._replace(repeat=made.repeat.samples)
+        rebin(state)
+    if made.coarse:
+        state.name_once(Finding("output_rounding", -1e3, 0.0))
+        state.gains["output_rounding"] = of_codes(used, made.width)
+    if made.rails and state.finding("saturation") is None:
+        state.name_once(Finding("saturation", -1e3, 0.0))
+        state.gains["saturation"] = of_rails(used, made.rails)
+    # Rounding is white noise behind any filter, however little.
+    state.rounding = Rounding(made.width**2 / 12, 0.0, 0.0)
+    if made.discrete and made.repeat is None:
+        state.rounding = rounding(used, made.width, made.sigma)
+    about_angle(state)
+    refit(state)
+
+
+def about_angle(state: Investigation) -> bool:
+    """Codes of an angle are no rounding of the rate, since Q says it all; whether they are such.
+
+    If so the structure has to be fitted again.
+    """
+    state.rate_rounded = 1.0 if state.rounding.added == 0 else _rate_is_rounded(state)
+    if state.rate_rounded >= 0.5:
+        return False
+    state.rounding = UNROUNDED
+    state.findings = [each for each in state.findings if each.name != "output_rounding"]
+    state.gains.pop("output_rounding", None)
+    return True
+
+
+def _rate_is_rounded(state: Investigation) -> float:
+    """The probability that codes are of the values logged, and not of what was differenced.
+
+    If an angle, or a velocity, is rounded and its differences are logged, Q is one code over
+    sqrt(12), and there is nothing else to add; rounding of the rate leaves Q as it is, mostly zero.
+    The two are compared by their evidence, all values of Q over ten e-folds being alike to the
+    latter, and zero as likely.
+    """
+    width, model = state.format.width, state.model
+    if width < _FINE * state.format.sigma:
+        return 1.0
+    _, covariance = log_scatter(model.theta, model.kinds, state.data)
+    # Rounding an angle that moves by less than a code between samples is not quite white, and its
+    # errors correlate by about exp(-2 (pi s)^2), s being that move in codes.
+    move = np.exp(model.theta[1] / 2) / width
+    alike = _ROUGH + 2 * np.exp(-2 * (np.pi * move) ** 2)
+    deviation = float(np.hypot(np.sqrt(covariance[0, 0]), alike))
+    score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
+    absent = _search.rise_without(0, model, state.data)
+    # Between what was fitted and none at all nothing is worse than none.
+    misfit = min(score**2, absent) if score > 0 else score**2
+    vague = 0.5 * np.exp(-absent / 2) + 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)
+    return float(_RATES * vague / (_RATES * vague + np.exp(-misfit / 2)))

@@ -1,0 +1,75 @@
+"""Courses in time: where they begin and end."""
+
+import numpy as np
+import pytest
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain._state import begin
+from allanfit.explain.courses._scan import propose, sharpened
+from allanfit.explain.spectrum._ordinates import ordinates
+
+
+def test_a_shift_begins_and_ends_where_the_mean_says():
+    """Of white noise: an edge of height h is known to some 1/h^2 samples."""
+    rng, samples = np.random.default_rng(0), 100_000
+    times, shift = ((20_300, 41_000), (60_500, 90_010)), 0.5
+    inside, roughly = np.zeros(samples, bool), np.zeros(samples, bool)
+    for start, stop in times:
+        inside[start:stop] = True
+        roughly[start - 700 : stop + 500] = True
+    values = rng.standard_normal(samples) + shift * inside
+    spectrum = ordinates((values,), "point")
+    variance = np.full(spectrum.frequency.size, 2.0)
+    found = sharpened(roughly, 1024, values, spectrum, variance, np.zeros(samples))
+    edges = np.flatnonzero(np.diff(found)) + 1
+    np.testing.assert_allclose(edges, np.ravel(times), atol=40)
+
+
+def test_noise_that_knows_its_edges_is_not_moved_by_the_mean():
+    """Twice as strong within, an edge is known to some ten samples; a walk would choose others."""
+    rng, samples = np.random.default_rng(0), 100_000
+    inside = np.zeros(samples, bool)
+    inside[20_300:41_000] = inside[60_500:90_010] = True
+    noise = rng.standard_normal(samples) * np.where(inside, np.sqrt(2), 1)
+    odds = (noise**2 / 2 - np.log(2)) / 2
+    values = noise + 0.02 * np.cumsum(rng.standard_normal(samples))
+    spectrum = ordinates((values,), "point")
+    variance = 2 * 1.5 + 2 * (0.02 / (2 * np.pi * spectrum.frequency)) ** 2
+    by_mean, by_both = (
+        sharpened(inside, 2048, values, spectrum, variance, each) for each in (0 * odds, odds)
+    )
+    assert np.sum(by_mean != inside) > 500
+    assert np.sum(by_both != inside) < 200
+
+
+def test_a_step_in_a_strong_random_walk_is_proposed_where_it_is():
+    """The walk hides a step but for some 5 samples to either side; A^2/(2 s k) is its evidence."""
+    samples, k, height = 100_000, 0.2, 8.0
+    proposed = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        at = int(rng.uniform(0.1, 0.9) * samples)
+        walk = k * np.cumsum(rng.standard_normal(samples))
+        values = walk + rng.standard_normal(samples) + height * (np.arange(samples) >= at)
+        pieces = ((0, samples),)
+        state = begin(values, pieces, "point", np.array([1e-6, 1.0, 1e-6, k**2]), 0.001)
+        found = propose(samples, pieces, values, state.left, state.model, state.data, {})
+        steps = [course.shape["time"] for course in found if course.name == "step"]
+        proposed.append(min((abs(time - at) for time in steps), default=np.inf))
+    # 160 in twice the logarithm of the likelihood: noise moves none by more than that.
+    assert max(proposed) < 8
+
+
+@pytest.mark.parametrize("periods", [3.47, 3.78])
+def test_the_frequency_of_a_slow_oscillation_is_known_as_well_as_noise_allows(periods):
+    """Of a sinusoid of amplitude A in white noise s^2: var f = 6 s^2/(pi^2 A^2 n^3)."""
+    rng, samples = np.random.default_rng(4), 30_000
+    frequency, amplitude = periods / samples, 1.0
+    values = amplitude * np.sin(2 * np.pi * np.arange(samples) * frequency + 1)
+    values += rng.standard_normal(samples)
+    state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 1e-8]))
+    assert [finding.name for finding in state.findings] == ["sinusoid"]
+    (course,) = state.courses
+    bound = np.sqrt(6 / (np.pi**2 * amplitude**2 * samples**3))
+    assert course.shape["deviation"] == pytest.approx(bound, rel=0.1)
+    assert abs(course.shape["frequency"] - frequency) < 3 * bound

@@ -1,0 +1,46 @@
+"""Steps and disturbed times that are the switches of a telegraph, and those that are not."""
+
+import numpy as np
+import pytest
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain.courses._switches import _levels_in_time
+
+SAMPLES = 40_000
+
+
+def telegraph(rng, dwells: tuple[int, int]) -> np.ndarray:
+    """0 and 1, each for exponential times of these means."""
+    held = rng.exponential(np.resize(dwells, SAMPLES)).astype(int) + 1
+    return np.repeat(np.arange(SAMPLES) % 2, np.minimum(held, SAMPLES))[:SAMPLES].astype(float)
+
+
+def investigated(values: np.ndarray):
+    power = np.array([0.0, np.var(values) / 2, 0.0, 0.0])
+    return investigate(values, ((0, SAMPLES),), "point", power)
+
+
+def test_switches_that_are_clear_to_the_eye_are_neither_steps_nor_disturbances():
+    rng = np.random.default_rng(1)
+    state = investigated(3 * telegraph(rng, (600, 300)) + rng.standard_normal(SAMPLES))
+    assert [finding.name for finding in state.findings] == ["gauss_markov"]
+    assert (state.knocks, state.courses) == ([], [])
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.05)
+
+
+def test_a_knock_beside_a_telegraph_stays_one():
+    rng = np.random.default_rng(3)
+    values = 0.7 * telegraph(rng, (300, 300)) + rng.standard_normal(SAMPLES)
+    values[9_000:9_400] += 5 * rng.standard_normal(400)
+    state = investigated(values)
+    assert {"disturbance", "gauss_markov"} <= {finding.name for finding in state.findings}
+    ((start, stop),) = state.knocks
+    assert (start <= 9_000, stop >= 9_400) == (True, True)
+
+
+def test_switches_are_placed_where_the_level_changes():
+    rng = np.random.default_rng(4)
+    levels = np.repeat([0, 1, 0, 1], [300, 150, 400, 150])
+    moments = np.repeat([False, True, False, True], [312, 150, 388, 150])[::4]
+    path = _levels_in_time(2 * levels + 0.5 * rng.standard_normal(1000), moments, 40)
+    assert np.mean(path != levels) < 0.01

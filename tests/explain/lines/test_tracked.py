@@ -1,0 +1,102 @@
+"""A line that wanders against normal noise of its spectrum, by its phase."""
+
+import numpy as np
+from scipy.signal import lfilter
+from scipy.special import i0, ive
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain.lines._tracked import narrow_band, normal_likelihood, tracked_likelihood
+
+# Samples of a band; a line's width is a seventh of it.
+BAND = 700
+MIDDLE, WIDTH = 0.5, 1 / 7
+
+
+def white(rng: np.random.Generator, size: int = BAND) -> np.ndarray:
+    return (rng.standard_normal(size) + 1j * rng.standard_normal(size)) / np.sqrt(2)
+
+
+def excess_of(power: float) -> np.ndarray:
+    """A line's spectrum, as if it were noise."""
+    about = (np.arange(BAND) / BAND - MIDDLE) / WIDTH
+    return power * np.exp(-(about**2) / 2) / np.sqrt(2 * np.pi) / WIDTH
+
+
+def gain(band: np.ndarray, power: float) -> float:
+    tracked = tracked_likelihood(band, MIDDLE, WIDTH, power)
+    return tracked - normal_likelihood(band, excess_of(power))
+
+
+def test_a_frequency_that_stays_is_a_coherent_sum():
+    """Known but for its phase: exp(-n p) I0(2 sqrt(p) |sum|) (Rice 1945, Bell Syst. Tech. J.)."""
+    z = white(np.random.default_rng(1), 40)
+    frequency, power = 12 / 32, 0.3
+    total = np.abs(np.sum(z * np.exp(-2j * np.pi * frequency * np.arange(z.size))))
+    expected = np.log(i0(2 * np.sqrt(power) * total)) - z.size * power
+    np.testing.assert_allclose(tracked_likelihood(z, frequency, 1e-6, power), expected, rtol=1e-7)
+
+
+def test_a_line_may_be_a_thousand_times_as_strong_as_the_noise():
+    """As a coherent sum again; its phase at each of 32 steps costs part of so strong a line."""
+    frequency, power = 12 / 32, 1e6
+    z = white(np.random.default_rng(5), 40)
+    z += np.sqrt(power) * np.exp(2j * np.pi * frequency * np.arange(z.size))
+    total = 2 * np.sqrt(power) * np.abs(np.sum(z * np.exp(-2j * np.pi * frequency * np.arange(40))))
+    expected = total + np.log(ive(0, total)) - z.size * power
+    np.testing.assert_allclose(tracked_likelihood(z, frequency, 1e-6, power), expected, rtol=1e-4)
+
+
+def test_on_average_white_noise_is_no_likelier_to_be_a_line():
+    """The mean of a likelihood ratio is one under the other hypothesis; false alarm .003."""
+    rng = np.random.default_rng(2)
+    ratios = [np.exp(tracked_likelihood(white(rng, 60), 0.5, 0.1, 0.02)) for _ in range(300)]
+    assert abs(np.mean(ratios) - 1) < 3 * np.std(ratios) / np.sqrt(300)
+
+
+def test_on_average_white_noise_is_no_likelier_to_be_a_resonance():
+    rng = np.random.default_rng(3)
+    excess = np.full(60, 0.05)
+    ratios = [np.exp(normal_likelihood(white(rng, 60), excess)) for _ in range(300)]
+    assert abs(np.mean(ratios) - 1) < 3 * np.std(ratios) / np.sqrt(300)
+
+
+def test_a_line_is_told_from_noise_of_its_spectrum():
+    """At a quarter of the white noise's power: each of 10 by more than chance, seeds fixed."""
+    rng, power = np.random.default_rng(4), 0.25
+    kept = np.exp(-1 / 60)
+    for _ in range(10):
+        drift = lfilter([np.sqrt(1 - kept**2)], [1, -kept], rng.standard_normal(BAND + 500))[500:]
+        frequency = MIDDLE + WIDTH * drift
+        line = np.sqrt(power) * np.exp(2j * np.pi * (np.cumsum(frequency) + rng.random()))
+        assert gain(line + white(rng), power) > 3
+        # Normal noise of that spectrum, by its coefficients.
+        noise = np.fft.ifft(np.sqrt(excess_of(power) * BAND) * white(rng))
+        assert gain(noise + white(rng), power) < -1
+
+
+def test_a_band_is_white_and_its_lines_stand_where_they_are():
+    x = np.random.default_rng(5).standard_normal(100_000)
+    band = narrow_band(x, 0.2, 0.22)
+    # Of 2000 exponential variates the mean is one within four times 1/sqrt(2000).
+    assert abs(np.mean(np.abs(band) ** 2) - 1) < 4 / np.sqrt(band.size)
+    turned = narrow_band(np.cos(2 * np.pi * 0.205 * np.arange(100_000)), 0.2, 0.22)
+    assert np.argmax(np.abs(np.fft.fft(turned))) == round(0.25 * turned.size)
+
+
+def test_explain_tells_lines_from_resonances_of_one_spectrum():
+    """Two records whose spectra are alike: of width .0004 about a tenth of the rate."""
+    rng, samples = np.random.default_rng(9), 60_000
+    noise = rng.standard_normal((2, samples))
+    kept = np.exp(-1 / 3000)
+    drift = lfilter([np.sqrt(1 - kept**2)], [1, -kept], rng.standard_normal(2 * samples))[samples:]
+    frequency = 0.1 + 0.0004 * drift
+    line = 0.13 * np.cos(2 * np.pi * np.cumsum(frequency))
+    # A pole whose half-width is that of the line's core.
+    pole = np.exp(-2 * np.pi * 0.0004 + 2j * np.pi * 0.1)
+    ringing = lfilter([1], [1, -2 * pole.real, abs(pole) ** 2], noise[1])
+    ringing *= 0.13 / np.sqrt(2) / np.std(ringing)
+    for signal, name in ((line, "drifting_line"), (ringing, "resonance")):
+        values = noise[0] + signal
+        state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 0.0]))
+        assert state.model.kinds.added == (name,)
+        assert state.findings[0].name == name

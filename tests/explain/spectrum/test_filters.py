@@ -1,0 +1,153 @@
+"""Filters of all shapes: named once, with nothing made up beside them."""
+
+import numpy as np
+import pytest
+from scipy.signal import (
+    bessel,
+    butter,
+    cont2discrete,
+    firwin,
+    freqz,
+    iirnotch,
+    lfilter,
+    remez,
+    sosfilt,
+)
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain._state import begin
+from allanfit.explain.spectrum._leakage import leave_leakage
+from allanfit.explain.spectrum._structure import (
+    EACH,
+    TERMS,
+    WINDOWED,
+    Kinds,
+    free_filter,
+    shape_of,
+    sieve,
+)
+
+SAMPLES = 30_000
+
+
+def noise(seed: int, samples: int = SAMPLES + 500) -> np.ndarray:
+    """White noise of one a sample, and a random walk."""
+    rng = np.random.default_rng(seed)
+    walk = np.cumsum(rng.standard_normal(samples))
+    return rng.standard_normal(samples) + 1e-3 * walk
+
+
+def found_in(values: np.ndarray):
+    """What an investigation names, the filter, and N."""
+    values = values[-SAMPLES:]
+    power = np.array([0.0, np.var(values), 0.0, 1e-6])
+    state = investigate(values, ((0, SAMPLES),), "point", power)
+    three = state.model.theta[TERMS : TERMS + EACH]
+    assert state.model.kinds.filtering
+    names = [finding.name for finding in state.findings]
+    return names, sieve(state.model.kinds.shaping or "", three, float(SAMPLES)), state
+
+
+@pytest.mark.parametrize(("taps", "times"), [(10, 1), (6, 2)])
+def test_a_running_mean_is_known_by_its_zeros(taps, times):
+    """By convolution; N within five of its standard errors, which are about 0.6 %."""
+    x = noise(taps)
+    for _ in range(times):
+        x = np.convolve(x, np.ones(taps) / taps, "valid")
+    names, low_pass, state = found_in(x)
+    assert names == ["low_pass"]
+    assert low_pass.running_mean
+    assert float(low_pass.taps(1.0)) == pytest.approx(taps, abs=1e-6)
+    assert float(low_pass.order) == pytest.approx(times, abs=1e-6)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_an_average_of_two_is_that_pole_which_the_bilinear_transform_puts_there():
+    """(1 + z^-1)/2 is both, with a cut-off at a quarter of the rate."""
+    names, low_pass, state = found_in(np.convolve(noise(2), [0.5, 0.5], "valid"))
+    assert names == ["low_pass"]
+    assert float(low_pass.cutoff_frequency) == pytest.approx(0.25, rel=0.03)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_a_bessel_filter_droops_and_is_no_filter_with_lines():
+    names, low_pass, state = found_in(sosfilt(bessel(2, 0.3, output="sos"), noise(4)))
+    assert names == ["low_pass"]
+    assert 0.3 < float(low_pass.droop) < 0.95
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+def test_a_steep_filter_of_finite_response_is_one_filter():
+    """SciPy's equiripple half-band filter of 47 taps, and codes of a thirtieth of the noise."""
+    taps = remez(47, [0, 0.2, 0.3, 0.5], [1, 0], fs=1.0)
+    values = np.convolve(noise(5), taps, "valid")
+    code = values.std() / 30
+    names, low_pass, state = found_in(np.round(values / code) * code)
+    assert names == ["low_pass"]
+    assert low_pass.windowed
+    # Half of the amplitude passes at a quarter of the rate, half of the power a little below.
+    assert 0.235 < float(low_pass.cutoff_frequency) < 0.25
+    # An edge from .2 to .3 cycles a sample takes Hamming's window some 3.3/.1 samples.
+    assert 25 < float(low_pass.order) < 50
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_a_decimator_is_one_filter_though_it_leaves_nothing_beyond():
+    """SciPy's filter of 255 taps at 36 % of the rate that every tenth sample leaves."""
+    fine = np.random.default_rng(12).standard_normal(10 * (SAMPLES + 500)) * np.sqrt(10)
+    taps = firwin(255, 2 * 0.036)
+    names, low_pass, state = found_in(np.convolve(fine, taps, "valid")[::10])
+    assert names == ["low_pass"]
+    assert low_pass.windowed
+    frequency, response = freqz(taps, worN=4096, fs=10)
+    half = np.interp(0.5, (np.abs(response) ** 2)[::-1], frequency[::-1])
+    assert float(low_pass.cutoff_frequency) == pytest.approx(half, rel=0.01)
+    assert float(low_pass.order) == pytest.approx(25.4, rel=0.1)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+def test_an_oscillator_that_rises_before_its_corner_is_a_filter():
+    """Damped by 0.6, before the converter: sampled 8 times as fast and taken every 8th time."""
+    turn = 2 * np.pi * 0.15
+    numerator, denominator, _ = cont2discrete(
+        ([turn**2], [1, 2 * 0.6 * turn, turn**2]), 1 / 8, "bilinear"
+    )
+    fine = np.random.default_rng(5).standard_normal(8 * (SAMPLES + 500)) * np.sqrt(8)
+    names, low_pass, _ = found_in(lfilter(numerator[0], denominator, fine)[::8])
+    assert names == ["low_pass"]
+    assert float(low_pass.droop) < -0.2
+    # Half of the power passes where x^2 + (4 zeta^2 - 2) x = 1, x being the square of f/f_0.
+    x = np.roots([1, 4 * 0.36 - 2, -1]).max()
+    assert float(low_pass.cutoff_frequency) == pytest.approx(0.15 * np.sqrt(x), rel=0.08)
+
+
+def test_what_passes_beyond_a_notch_is_not_left_out():
+    """A steep edge at the notch would explain all, were what refutes it taken for leakage."""
+    rng = np.random.default_rng(21)
+    passed = lfilter(*butter(2, 0.5), rng.standard_normal(SAMPLES))
+    values = lfilter(*iirnotch(0.3, 4), passed)
+    power = np.array([0.0, np.var(values), 0.0, 1e-6])
+    state = begin(values, ((0, SAMPLES),), "point", power, alarm=1e-3)
+    edge = free_filter(WINDOWED, 0.14, 100.0, SAMPLES)
+    theta = np.concatenate([state.model.theta[:TERMS], edge])
+    state.model = state.model._replace(kinds=Kinds(WINDOWED), theta=theta)
+    leave_leakage(state)
+    assert state.spectrum.clean(np.array([0.2, 0.24])).all()
+
+
+def test_a_filter_that_comes_last_filters_added_noise_too():
+    """Poles at Nyquist leave nothing there of a relaxation of 400 samples, added before them.
+
+    N within five standard errors of .6 %, and the time within four of some 10 %.
+    """
+    rng, decay = np.random.default_rng(13), np.exp(-1 / 400)
+    drive = 3 * np.sqrt(1 - decay**2) * rng.standard_normal(SAMPLES + 500)
+    relaxing = noise(13) + lfilter([1.0], [1.0, -decay], drive)
+    names, low_pass, state = found_in(lfilter(*butter(2, 0.6), relaxing))
+    assert names == ["low_pass", "gauss_markov"]
+    assert state.model.kinds.last
+    assert low_pass.digital
+    assert float(low_pass.cutoff_frequency) == pytest.approx(0.3, rel=0.02)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+    three = state.model.theta[-EACH:]
+    assert float(shape_of("gauss_markov", three, float(SAMPLES))[0]) == pytest.approx(400, rel=0.4)

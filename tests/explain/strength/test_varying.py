@@ -1,0 +1,72 @@
+"""Noise whose strength varies all the time, or between more than two levels."""
+
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter
+
+from allanfit.explain._investigate import investigate
+from allanfit.explain.strength._modulation import modulation
+
+SAMPLES = 60_000
+PART = np.arange(SAMPLES) / SAMPLES
+COURSES = {
+    "rising": (1 + PART, 2.0),
+    "swinging": (1 + 0.4 * np.sin(6 * np.pi * PART), 1.4 / 0.6),
+    "of three levels": (np.repeat([1.0, 1.5, 2.5, 1.0, 2.5, 1.5], SAMPLES // 6), 2.5),
+}
+
+
+@pytest.mark.parametrize("course", COURSES)
+def test_the_extremes_of_a_course_are_known(course):
+    """Within 6 %, which is three standard deviations of the smoothed ends of 400 samples or so."""
+    deviation, ratio = COURSES[course]
+    found = modulation(deviation * np.random.default_rng(1).standard_normal(SAMPLES), 0)
+    assert found.strength is not None
+    assert np.median(found.extremes) == pytest.approx(ratio, rel=0.06)
+    # As it is at each sample, but for the windows at jumps.
+    told = found.strength / np.median(found.strength) * np.median(deviation)
+    assert np.median(np.abs(told / deviation - 1)) < 0.03
+
+
+@pytest.mark.parametrize("ratio", [1.2, 1.5, 3.0])
+def test_two_levels_stay_two(ratio):
+    """Of 20 records all, and the level that is loud for a tenth of the time is not cut off."""
+    loud = np.zeros(SAMPLES, bool)
+    loud[20_000:23_000] = loud[40_000:43_000] = True
+    ratios = []
+    for seed in range(20):
+        white = np.random.default_rng(seed).standard_normal(SAMPLES)
+        found = modulation(np.where(loud, ratio, 1.0) * white, 0)
+        assert found.strength is None
+        ratios.append(found.ratio)
+    # One is known to 1/sqrt(2 6000), and choosing windows makes it a little larger.
+    assert np.mean(ratios) == pytest.approx(ratio, rel=0.01)
+
+
+@pytest.mark.parametrize("course", COURSES)
+def test_noise_that_varies_has_no_spikes_and_no_lines(course):
+    deviation, _ = COURSES[course]
+    white = deviation * np.random.default_rng(2).standard_normal(SAMPLES)
+    state = investigate(white, ((0, SAMPLES),), "point", np.array([0.0, 1.0, 0.0, 0.0]))
+    assert [finding.name for finding in state.findings] == ["variance_modulation"]
+    assert not state.unknown
+
+
+def test_n_is_that_of_the_quietest_of_several_levels():
+    """Of a third of 60,000 samples: to three standard deviations, 1/sqrt(2 20,000) each."""
+    deviation, _ = COURSES["of three levels"]
+    white = deviation * np.random.default_rng(3).standard_normal(SAMPLES)
+    state = investigate(white, ((0, SAMPLES),), "point", np.array([0.0, 1.0, 0.0, 0.0]))
+    assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.015
+
+
+def test_vibration_of_varying_strength_leaves_n():
+    """A band of 0.15 to 0.3 cycles per sample, up to four times as strong as the noise."""
+    rng = np.random.default_rng(4)
+    walk = lfilter([1.0], [1, -np.exp(-1 / 3000)], rng.standard_normal(SAMPLES))
+    band = lfilter(*butter(1, [0.3, 0.6], "band"), rng.standard_normal(SAMPLES))
+    values = rng.standard_normal(SAMPLES) + band / band.std() * np.exp(0.8 * walk / walk.std())
+    state = investigate(values, ((0, SAMPLES),), "point", np.array([0.0, 1.0, 0.0, 0.0]))
+    assert state.vibration is not None
+    assert [each.like for each in state.unknown] == ["vibration does so"]
+    assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.04
