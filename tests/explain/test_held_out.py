@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from allanfit.explain import _held_out
-from allanfit.explain._held_out import _products, _turn
+from allanfit.explain._held_out import _products, _share, _turn
 
 
 @pytest.mark.parametrize("at_a_time", [64, 2**18])
@@ -30,3 +30,14 @@ def test_both_halves_hear_a_course_that_is_in_one_ordinate():
     fold = np.arange(2, 5002) // 2 % 2
     share = [float(np.sum(columns[fold == half, 1] ** 2)) for half in (0, 1)]
     np.testing.assert_allclose(share, [0.5, 0.5], rtol=1e-12)
+
+
+def test_a_half_that_knows_each_course_may_not_know_them_together():
+    """Two columns that are alike in the first half are told apart in the second alone."""
+    alike = np.array([[1.0, 0.999], [0.999, 1.0]])
+    apart = np.eye(2)
+    low, high = _share(alike, apart)
+    assert low == pytest.approx(0.001 / 1.001, rel=1e-2)
+    assert high == pytest.approx(1.999 / 2.999, rel=1e-5)
+    np.testing.assert_allclose(_share(np.zeros((2, 2)), np.zeros((2, 2))), 0.5)
+    np.testing.assert_allclose(_share(3 * apart, apart), 0.75, rtol=1e-5)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import hadamard
+from scipy.linalg import eigh, hadamard
 
 from .courses._sums import Moved
 from .spectrum._ordinates import Bins, Ordinates, binned
@@ -25,8 +25,8 @@ from .values._held_out import Gain
 # Neighbours that are rotated lie within such a part of their frequency, and are at most so many.
 _ALIKE = 0.1
 _MOST_ROTATED = 32
-# The least share of a course that each half must hold.
-_LEAST_SHARE = 0.2
+# The least share of the information about courses that each half must hold, and what is none.
+_LEAST_SHARE, _FAINT = 0.2, 1e-6
 # Ordinates that are worked on together.
 _AT_A_TIME = 2**18
 
@@ -73,8 +73,7 @@ def held_out(
     weight = _weight(spectrum, variance)
     halves = [_products(columns, weight * (spectrum.fold == fold)) for fold in (0, 1)]
     if moved:
-        energy = [np.diag(half)[1:] for half in halves]
-        share = energy[0] / (energy[0] + energy[1])
+        share = _share(*(half[1:, 1:] for half in halves))
         if np.any(np.abs(share - 0.5) > 0.5 - _LEAST_SHARE):
             return _fission(spectrum, columns, edges, model, data, plain, variance, seed)
     parts = [
@@ -119,6 +118,17 @@ def _turn(
         turned = np.einsum("ij,bjc->bic", hadamard(size), white).reshape(stop - start, -1)
         columns[start:stop] = turned * (deviation / np.sqrt(size))
         start = stop
+
+
+def _share(
+    first: Float[np.ndarray, "columns columns"], second: Float[np.ndarray, "columns columns"]
+) -> Float[np.ndarray, " columns"]:
+    """What part of the information about each combination of courses the first half holds."""
+    unit = np.sqrt(np.maximum(np.diag(first) + np.diag(second), 1e-300))
+    whole = (first + second) / np.outer(unit, unit)
+    # Of what no half knows each is said to know as much.
+    faint = _FAINT * np.eye(len(unit))
+    return eigh(first / np.outer(unit, unit) + faint / 2, whole + faint, eigvals_only=True)
 
 
 def _products(

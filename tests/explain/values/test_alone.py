@@ -47,6 +47,20 @@ def test_a_filter_alone_has_no_wrong_samples(seed):
     assert np.array_equal(values, filtered(seed)[0])
 
 
+def test_steps_where_quantization_rules_are_no_wrong_samples():
+    """Others contradict all that is slow there: each step would be thousands of spikes."""
+    rng = np.random.default_rng(6)
+    angle = rng.uniform(-0.5, 0.5, SAMPLES + 1)
+    values = np.diff(angle) / np.std(np.diff(angle)) + 0.06 * rng.standard_normal(SAMPLES)
+    steps = (15_000, 31_000, 47_000)
+    for at in steps:
+        values[at:] += 0.6
+    state = investigate(values, ((0, SAMPLES),), "point", np.array([0.5, 0.0018, 0.0, 0.0]))
+    assert {finding.name for finding in state.findings} == {"step"}
+    found = sorted(course.shape["time"] for course in state.courses)
+    np.testing.assert_allclose(found, steps, atol=20)
+
+
 def test_white_noise_is_told_without_its_neighbours():
     values = np.random.default_rng(5).standard_normal(SAMPLES)
     values[::1000] += 10

@@ -101,7 +101,7 @@ def _name_tall_spikes(state: Investigation, seed: int) -> None:
         return
     mean = level(state.left, state.variance)
     even, others = _white(state, ()), Others(state)
-    height = height_of(mean) if others.white else others.height
+    height = height_of(mean) if others.silent else others.height
     even[tall] = errors * height
     name_spikes(state, even, mean, height, seed)
     if state.contamination is None:
@@ -240,7 +240,7 @@ def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray
     """What is asked whether it lasts."""
     # What comes in place of wrong samples behind a filter may be off by more than the little that
     # it leaves.
-    mended = state.contamination is not None and not Others(state).white
+    mended = state.contamination is not None and not Others(state).silent
     share = _HEARD if mended else 1.0
     return np.concatenate(
         [

@@ -20,8 +20,12 @@ from ..spectrum._whiten import END, level, mode_frequency, precision, shaped
 
 # A white record shows a wrong sample in one place if it keeps so much of its height.
 _WHITE = 0.9
+# What others say of one may come from slow noise for such a part.
+_DRIFTS = 0.3
 # Of what stands out this near together, the highest is the one that is wrong, or the first of them.
 _NEAR = 16
+# Slower than this [cycles per sample] noise is no matter of single samples.
+_SLOWEST = 1 / (2 * _NEAR)
 # What is lower than the highest by more than this may be its echo.
 _ECHO = 0.5
 # The lower wrong samples stand out once the spectrum is known without the higher ones. Most records
@@ -43,8 +47,12 @@ class Others:
         every = np.concatenate(self._weights)
         #: How tall an error of one unit is over what they leave open [1/u].
         self.height = float(np.sqrt(np.mean(every)))
-        #: Whether a record made white shows an error in one sample.
-        self.white = float(np.mean(np.sqrt(every))) > _WHITE * self.height
+        white = float(np.mean(np.sqrt(every))) > _WHITE * self.height
+        slow = np.concatenate([mode_frequency(size) < _SLOWEST for size in self._sizes])
+        drifts = float(np.sum(every[slow])) > _DRIFTS * float(np.sum(every))
+        #: Whether they say nothing of one: a record made white shows an error in one sample, or,
+        #: where quantization rules, they contradict each drift and step as well.
+        self.silent = white or drifts
 
     def contradict(
         self, values: Float[np.ndarray, " looked_at"], *, slowest: float = 0.0
@@ -93,13 +101,14 @@ class Others:
         At half the sampling rate a step is like an error of half its size. Slow drifts tell
         nothing. The `values` are without the errors.
         """
-        slowest = 1 / (2 * _NEAR)
-        fast = [np.where(mode_frequency(w.size) < slowest, 0.0, w) for w in self._weights]
-        swing = [4 * np.sin(np.pi * np.maximum(mode_frequency(w.size), slowest)) ** 2 for w in fast]
+        fast = [np.where(mode_frequency(w.size) < _SLOWEST, 0.0, w) for w in self._weights]
+        swing = [
+            4 * np.sin(np.pi * np.maximum(mode_frequency(w.size), _SLOWEST)) ** 2 for w in fast
+        ]
         spike = float(np.mean(np.concatenate(fast)))
         step = np.mean(np.concatenate([w / each for w, each in zip(fast, swing, strict=True)]))
         # A step is the sum of errors from its place on. That of the error itself is symmetric.
-        summed = np.cumsum(self.contradict(values, slowest=slowest))
+        summed = np.cumsum(self.contradict(values, slowest=_SLOWEST))
         after, before = summed[at], summed[at - 1]
         own = errors * spike / 2
         by_step = np.maximum(np.abs(after + own), np.abs(before - own))
@@ -141,7 +150,7 @@ def behind_filter(
         # What was put in place of the last ones knows of them.
         if np.array_equal(wrong, before):
             break
-    return None if Others(trial).white else (wrong, trial.values)
+    return None if Others(trial).silent else (wrong, trial.values)
 
 
 def _stand_out(

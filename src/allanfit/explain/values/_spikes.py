@@ -205,8 +205,8 @@ def _excise(
     leave nearly nothing open: what they expect comes in place.
     """
     others = Others(state)
-    values = state.values.copy() if others.white else others.filled(state, clear)
-    if others.white:
+    values = state.values.copy() if others.silent else others.filled(state, clear)
+    if others.silent:
         noise = deviation * np.random.default_rng(seed).normal(size=clear.sum())
         good, wrong = state.looked_at[~clear], state.looked_at[clear]
         for at, own in zip(wrong, noise, strict=True):
