@@ -24,7 +24,8 @@ SUB = 4
 """Front-end samples per output sample."""
 
 # unit, rate [Hz], samples, coefficients [u = unit: Q u s, N u/sqrt(Hz), B u, K u/sqrt(s), R u/s];
-# magnitudes of data sheets (consumer 0.3 deg/sqrt(h), industrial 0.15, tactical 0.05).
+# magnitudes of data sheets (consumer 0.3 deg/sqrt(h), industrial 0.15, tactical 0.05, ring laser
+# 0.005 with counts of an arc second, which rule its samples).
 PROFILES = {
     "consumer gyro": ("rad/s", 100.0, 360_000, {"N": 9e-5, "B": 3e-5, "K": 1.8e-6}),
     "consumer accelerometer": ("m/s^2", 100.0, 360_000, {"N": 1.5e-3, "B": 5e-4, "K": 3e-5}),
@@ -33,6 +34,7 @@ PROFILES = {
     ),
     "industrial gyro": ("rad/s", 200.0, 360_000, {"Q": 2e-7, "N": 4e-5, "B": 8e-6, "K": 7e-7}),
     "tactical gyro": ("rad/s", 200.0, 360_000, {"Q": 2e-8, "N": 1.5e-5, "B": 2e-6, "K": 5e-8}),
+    "ring laser gyro": ("rad/s", 100.0, 300_000, {"Q": 1.5e-6, "N": 1.6e-6, "B": 3e-7, "K": 3e-8}),
 }  # fmt: skip
 
 

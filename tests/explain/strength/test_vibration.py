@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from allanfit.explain._investigate import investigate
+from allanfit.explain.strength._lasting import loudness
 
 SAMPLES = 60_000
 BOUTS = ((10_000, 22_000), (35_000, 41_000), (50_000, 55_000))
@@ -65,3 +66,17 @@ def test_white_noise_that_is_louder_stays_noise_that_is_louder():
     assert names == {"variance_modulation"}
     assert state.vibration is None
     assert not state.unknown
+
+
+def test_loud_white_noise_has_its_own_size_where_quantization_rules():
+    """Sums of samples tell of it there, and hear only its lowest frequencies."""
+    rng, samples = np.random.default_rng(3), 200_000
+    loud = np.zeros(samples, bool)
+    loud[40_000:90_000] = loud[130_000:170_000] = True
+    white = rng.standard_normal(samples) * np.where(loud, 2.0, 1.0)
+    values = white + 7 * np.diff(rng.standard_normal(samples + 1))
+    state = investigate(values, ((0, samples),), "point", np.array([49.0, 2.35, 0.0, 0.0]))
+    assert [finding.name for finding in state.findings] == ["variance_modulation"]
+    assert state.modulation.summed > 1
+    column = loudness(state, state.modulation)[:, 0]
+    assert column.max() - column.min() == pytest.approx(3.0, rel=0.15)

@@ -212,7 +212,8 @@ def _modulation_of_n(
         return found._replace(p_value=p_value), white
     found = slow.of(of_samples(np.arange(sums.size), size, white.size))
     odds = None if found.odds is None else found.odds / size
-    return found._replace(window=slow.window * size, p_value=p_value, odds=odds), sums
+    found = found._replace(window=slow.window * size, p_value=p_value, odds=odds, summed=size)
+    return found, sums
 
 
 def _samples_of_n(state: Investigation) -> int:
@@ -280,8 +281,11 @@ def loudness(state: Investigation, changing: Modulation) -> Float[np.ndarray, "s
     else:
         power = changing.deviation() ** 2
         added = (power - 1) / power.mean()
-        # Whitened, white noise of one u^2 is as strong as this on average over the frequencies.
-        added /= float(np.mean(2 / state.variance))
+        # Whitened, white noise of one u^2 is as strong as this on average over the frequencies, as
+        # far as sums hear them (Fejer's kernel).
+        turn, size = np.pi * state.left.frequency, changing.summed
+        heard = np.sin(size * turn) ** 2 / (size * np.sin(turn) ** 2)
+        added /= float(np.mean(heard * 2 / state.variance))
     column = np.zeros(state.values.size)
     column[state.looked_at] = added
     return (column - column[state.looked_at].mean())[:, None]

@@ -51,6 +51,8 @@ class Modulation(NamedTuple):
     #: the quiet times, and draws of the largest over the smallest.
     strength: Float[np.ndarray, " samples"] | None = None
     extremes: Float[np.ndarray, " draws"] | None = None
+    #: Samples that were summed up to tell: their noise is that below their Nyquist frequency.
+    summed: int = 1
     #: The log of how much likelier each sample is of the loud times, where two levels tell.
     odds: Float[np.ndarray, " samples"] | None = None
 
