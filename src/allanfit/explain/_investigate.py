@@ -89,6 +89,11 @@ def investigate(
     if lost > 0:
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
     about_format(state)
+    if lost > 0:
+        # Errors of an angle cancel from sample to sample, but not across one that was lost.
+        share = len(losses) / values.size if losses else lost
+        state.foreign += 2 * share * float(np.exp(state.model.theta[0]))
+        refit(state)
     times = stuck(values, pieces, state.format)
     free = cut_out(pieces, times) if times else pieces
     if sum(b - a for a, b in free) < _FREE * sum(b - a for a, b in pieces):

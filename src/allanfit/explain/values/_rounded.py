@@ -16,6 +16,9 @@ _FINE = 0.05
 _RATES = 3.0
 # How exactly that Q is expected, in the logarithm of its square.
 _ROUGH = 0.02
+# Where quantization rules the samples, codes matter that add such a part to the power of N, if by
+# twice the log-likelihood N is known to be there.
+_ADDED, _KNOWN = 0.05, 30.0
 
 
 def about_format(state: Investigation) -> None:
@@ -25,7 +28,7 @@ def about_format(state: Investigation) -> None:
         state.name_once(Finding("sample_hold", made.repeat.log_p, 0.0, detail=made.repeat))
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
-    if made.coarse:
+    if made.coarse or _beside_n(state):
         state.name_once(Finding("output_rounding", -1e3, 0.0))
         state.gains["output_rounding"] = of_codes(used, made.width)
     if made.rails and state.finding("saturation") is None:
@@ -37,6 +40,15 @@ def about_format(state: Investigation) -> None:
         state.rounding = rounding(used, made.width, made.sigma)
     about_angle(state)
     refit(state)
+
+
+def _beside_n(state: Investigation) -> bool:
+    """Whether quantization rules the samples, and codes too fine to be seen there add to N."""
+    quantization, white = np.exp(state.model.theta[:2])
+    rules = 2 * quantization > state.format.sigma**2 / 2
+    if not rules or state.format.width**2 / 12 < _ADDED * white:
+        return False
+    return _search.rise_without(1, state.model, state.data) > _KNOWN
 
 
 def about_angle(state: Investigation) -> bool:
