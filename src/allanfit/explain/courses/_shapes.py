@@ -81,14 +81,15 @@ def _slow_line(state: Investigation, course: Course) -> Course:
 
 
 def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulation]:
-    """A shift that begins and ends where the mean says, and loud times that do so, then."""
+    """A shift that begins and ends where mean and strength say, and loud times that do so, then."""
     changing = state.modulation
     assert changing is not None
     if changing.strength is not None:
         return course, changing
     sized = with_course(state, course)
     variance = _course.ordinate_variance(state.spectrum, sized.model, sized.data)
-    loud, odds = state.flags(changing.loud), np.zeros(state.values.size)
+    before, odds = state.flags(changing.loud), np.zeros(state.values.size)
+    loud = before.copy()
     if changing.odds is not None:
         odds[state.looked_at] = changing.odds
     for piece in state.long_pieces:
@@ -104,7 +105,7 @@ def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulati
     moved = changing._replace(loud=loud[state.looked_at])
     shape = loudness(state, moved)
     better = course._replace(draw=lambda: shape)
-    told = 2 * float(odds[loud].sum() - odds[state.flags(changing.loud)].sum())
+    told = 2 * float(odds[loud].sum() - odds[before].sum())
     if evidence(state, better)[0] + told < evidence(state, course)[0]:
         return course, changing
     return better, moved
