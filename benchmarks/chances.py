@@ -26,7 +26,7 @@ from allanfit.explain.strength._lasting import about_spread
 from allanfit.explain.values._rounded import about_format
 from allanfit.identify import fit_series
 
-from .concealed._device import PROFILES, Surroundings, draw_device, simulate
+from .concealed._device import Surroundings, draw_device, simulate
 
 RESULTS = Path(__file__).parent / "results" / "chances"
 LEVELS = (0.05, 0.01, 0.001)
@@ -35,7 +35,7 @@ LEVELS = (0.05, 0.01, 0.001)
 def evidence(seed: int, index: int, samples: int) -> dict:
     """Gain and log chance of each effect in one record."""
     rng = np.random.default_rng((seed, 0, index))
-    device = replace(draw_device(rng, str(rng.choice(list(PROFILES)))), samples=samples)
+    device = replace(draw_device(rng), samples=samples)
     log = simulate(device, (), Surroundings(temperature=True), (seed, 1, index))
     x = log["data"].astype(float)
     fit = fit_series(x, device.rate_hz)

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from ._converter import DroppedSamples, Outliers, OutputRounding, SampleHold, Saturation
-from ._device import PROFILES, Device, Surroundings, draw_device
+from ._device import Device, Surroundings, draw_device
 from ._effect import Effect, at_strength, truth
 from ._outside import BandOfNoise, Chirp, Cyclostationary, ModulatedLine, Notch, WanderingCorner
 from ._slow import (
@@ -113,7 +113,7 @@ def draw(kinds: tuple[type[Effect], ...], seed: tuple[int, ...]) -> Concealed:
     """A device with effects of these kinds; devices that cannot show one are drawn again."""
     rng = np.random.default_rng(seed)
     for _ in range(200):
-        device = draw_device(rng, str(rng.choice(list(PROFILES))))
+        device = draw_device(rng)
         effects = [_sized(kind, rng, device, len(kinds) > 1) for kind in kinds]
         if all(effect is not None for effect in effects):
             break

@@ -36,6 +36,8 @@ PROFILES = {
     "tactical gyro": ("rad/s", 200.0, 360_000, {"Q": 2e-8, "N": 1.5e-5, "B": 2e-6, "K": 5e-8}),
     "ring laser gyro": ("rad/s", 100.0, 300_000, {"Q": 1.5e-6, "N": 1.6e-6, "B": 3e-7, "K": 3e-8}),
 }  # fmt: skip
+ANY = "any sensor"
+"""A profile by itself: whatever rate, length and corners between the five terms."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +72,11 @@ class Device:
 
 def draw_device(rng: np.random.Generator, profile: str | None = None) -> Device:
     """A device of a profile, each coefficient within about 30 % of the profile's."""
-    profile = profile or str(rng.choice(list(PROFILES)))
-    unit, rate_hz, samples, usual = PROFILES[profile]
+    profile = profile or str(rng.choice([*PROFILES, ANY]))
+    unit, rate_hz, samples, usual = _any_sensor(rng) if profile == ANY else PROFILES[profile]
     coefficients = {s: float(c * np.exp(0.25 * rng.standard_normal())) for s, c in usual.items()}
     # One in eight is odd but legal: a term absent, or four times the usual.
-    if rng.random() < 0.125:
+    if rng.random() < 0.125 and len(coefficients) > 1:
         odd = str(rng.choice([s for s in coefficients if s != "N"]))
         coefficients[odd] *= float(rng.choice([0.0, 4.0]))
     # One in eight has a ramp, from none to a plain one: up to six deviations of what a walk feigns.
@@ -95,6 +97,30 @@ def draw_device(rng: np.random.Generator, profile: str | None = None) -> Device:
         coefficients=coefficients,
         offset=9.81 if on_the_vertical else float(3 * deviation * rng.standard_normal()),
     )
+
+
+def _any_sensor(rng: np.random.Generator) -> tuple[str, float, int, dict[str, float]]:
+    """A sensor of no data sheet, by where each term is as strong as the white noise.
+
+    Rates from 5 to 1000 Hz, 50,000 to 600,000 samples; Q from a hundredth of the white noise to
+    thirty times that at half the rate; flicker from three cycles of the record up, a walk from one,
+    to a thirtieth of the rate; each term absent now and then.
+    """
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    rate_hz = float(np.round(between(5, 1000)))
+    samples = int(between(50_000, 600_000))
+    white = between(1e-7, 1e-2)
+    usual = {"N": white}
+    if rng.random() < 0.5:  # 8 Q^2/dt = share x 2 N^2 at half the rate.
+        usual["Q"] = white * np.sqrt(between(0.01, 30) / (4 * rate_hz))
+    if rng.random() < 0.75:  # B^2/(pi f) = 2 N^2, densities of an unscaled B.
+        usual["B"] = white * np.sqrt(2 * np.pi * between(3 * rate_hz / samples, rate_hz / 30))
+    if rng.random() < 0.75:  # K^2/(2 pi^2 f^2) = 2 N^2.
+        usual["K"] = white * 2 * np.pi * between(rate_hz / samples, rate_hz / 30)
+    return str(rng.choice(["rad/s", "m/s^2"])), rate_hz, samples, usual
 
 
 def _rounding_is_white(coefficients: dict[str, float], rate_hz: float) -> bool:
