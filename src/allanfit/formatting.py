@@ -8,7 +8,7 @@ outside its interval.
 import math
 from collections.abc import Sequence
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal
-from typing import NamedTuple
+from typing import NamedTuple, SupportsFloat
 
 Number = int | float  # JSON writes a whole number without a point
 
@@ -29,6 +29,11 @@ class Reading(NamedTuple):
 
     def __str__(self) -> str:
         return " ".join(part for part in self if part)
+
+
+def finite(number: SupportsFloat) -> float | None:
+    """The number, or nothing where JSON has no word for it."""
+    return float(number) if math.isfinite(number) else None
 
 
 def _finite(number: Number | None) -> bool:

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ..curves import unit_scale
+from ..formatting import finite
 from ..identify import fit_series
-from ..identify._fit_document import finite
 from ..physics import Sampling
 from ..recording import Channel, Recording, RecordingError
 from ..temperature import believable, beside

@@ -1,12 +1,12 @@
 """The parts of the JSON of a recording: its head, a channel's head, and its coefficients."""
 
-import math
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from ..formatting import finite
 from ..physics import STANDARD_TERMS, Names, coefficient_unit
 from ..recording import Channel, Recording
 from ..recording._checks import usable
@@ -94,8 +94,3 @@ def exact_document(values: Mapping[str, float], channel: Channel) -> dict[str, A
 
 def _name(names: Names, kind: str) -> str:
     return {"gyro": names.gyro, "accelerometer": names.accelerometer}.get(kind, names.other)
-
-
-def finite(value: Any) -> float | None:
-    """A number, or nothing where JSON has no word for it."""
-    return float(value) if math.isfinite(value) else None

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ..coefficients import CONVERGED, NOT_CONVERGED
 from ..curves import octaves, read_slopes
 from ..datasheet import Datasheet, Judged, Shown, datasheet_document, judge
+from ..formatting import finite
 from ..physics import STANDARD_TERMS, Sampling
 from ..recording import Channel, Recording
 from ..temperature import (
@@ -23,7 +24,7 @@ from ..temperature import (
 )
 from ._curves_document import curves_document
 from ._fit import Fit, fit_series
-from ._fit_document import channel_header, coefficients_document, finite, recording_document
+from ._fit_document import channel_header, coefficients_document, recording_document
 from ._goodness import MISFIT
 from ._influence import Influence, influence
 from ._influence_document import influence_document, influence_findings

@@ -1,13 +1,12 @@
 """Temperature beside one channel of a recording: which one, its effect, its part of the JSON."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
-from ..formatting import p_value, percent, reading
+from ..formatting import finite, p_value, percent, reading
 from ..identify._fit import Fit
 from ..recording import Channel, Recording
 from ._sensitivity import RESOLVED_P, TemperatureEffect, temperature_sensitivity
@@ -92,17 +91,17 @@ def temperature_document(
         "mean_degC": effect.mean_degC,
         "range_degC": [effect.low_degC, effect.high_degC],
         **{name: _sensitivity(found, channel, index) for index, name in enumerate(_NAMES)},
-        "p_value": _number(effect.p_value),
-        "share_of_ramp": _number(effect.share_of_ramp),
+        "p_value": finite(effect.p_value),
+        "share_of_ramp": finite(effect.share_of_ramp),
         "confounded_with_ramp": found.confounded,
         "explained": {
-            "fraction": _number(effect.explained),
-            "by_chance_95": _number(effect.explained_by_chance),
+            "fraction": finite(effect.explained),
+            "by_chance_95": finite(effect.explained_by_chance),
         },
         "shortest_period_s": effect.shortest_period_s,
         "coefficients_kept": dict(kept),
         "coefficients_removed": dict(removed),
-        "goodness_of_fit_removed": _number(effect.removed.goodness_of_fit),
+        "goodness_of_fit_removed": finite(effect.removed.goodness_of_fit),
         "curve": _curve(found, channel.factor),
         "slow": _slow(found, channel),
         "sentences": sentences(found, channel, kept, removed),
@@ -170,7 +169,7 @@ def _sensitivity(found: ChannelTemperature, channel: Channel, index: int) -> dic
 
     return {
         **quoted(ramp=True),
-        "p_value": _number(effect.p_values[index]),
+        "p_value": finite(effect.p_values[index]),
         "resolved": bool(effect.resolved[index]),
         "without_ramp": quoted(ramp=False),
     }
@@ -225,7 +224,3 @@ def _coefficient(entry: Mapping[str, Any]) -> str:
         return f"{entry['value']:.3g} {entry['unit']}".rstrip()
     limit = entry["upper_limit_95"]
     return "no limit" if limit is None else f"below {limit:.3g} {entry['unit']}".rstrip()
-
-
-def _number(value: Any) -> float | None:
-    return float(value) if math.isfinite(value) else None
