@@ -32,7 +32,7 @@ from .strength._changing import (
     swinging,
     tiles,
 )
-from .strength._lasting import forget_loud_times
+from .strength._lasting import forget_loud_times, samples_of_n, summed
 from .strength._modulation import PULLED_IN, uneven
 from .values._held_out import of_swing
 from .values._spikes import USUAL
@@ -225,13 +225,20 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         return
     if state.modulation is not None:
         white = white / state.deviation[slice(*state.longest)]
-    white = np.clip(white / white.std(), -PULLED_IN, PULLED_IN)
     # What loud times tell of already comes again at the harmonics of how often there are any.
     longest = np.inf if state.modulation is None else 2.0 * state.modulation.window
-    found = swinging(white, longest)
-    if found is None:
+    # Where quantization rules high frequencies, sums of samples tell how N swings.
+    found = []
+    for size in sorted({1, samples_of_n(state)}):
+        sums = summed(white, size)
+        sums = np.clip(sums / sums.std(), -PULLED_IN, PULLED_IN)
+        each = swinging(sums, longest / size)
+        if each is not None:
+            found.append((each[1], each[0] * size, size, sums))
+    if not found:
         return
-    period, log_p = found
+    log_p, period, size, white = min(found, key=lambda one: one[0])
+    log_p = min(log_p + np.log(len(found)), 0.0)
     state.witness(
         "swing of the noise",
         period,
@@ -243,7 +250,7 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
             # Of normal noise whose strength swings, all samples together have long tails.
             state.disowned.add("outliers")
         state.findings.append(Finding("bump", log_p, 0.0))
-        state.gains["bump"] = of_swing(white, period)
+        state.gains["bump"] = of_swing(white, period / size)
         why = "the strength of the noise swings"
         like = "interpolation to another rate does so"
         state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True, like=like))

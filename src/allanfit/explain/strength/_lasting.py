@@ -13,6 +13,7 @@ from ..spectrum._whiten import level, without_ends
 from ..values import _discrete
 from ..values._alone import Others
 from ..values._held_out import Gain, of_loud_times
+from ..values._losses import beside_losses
 from ..values._spikes import height_of, name_clear_spikes, name_spikes, put_back, take_out_spikes
 from ._bursts import bursts
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
@@ -201,10 +202,10 @@ def _modulation_of_n(
     that N rules below their Nyquist frequency are independent as well, and tell of it.
     """
     found = modulation(white, seed)
-    size = _samples_of_n(state)
+    size = samples_of_n(state)
     if size == 1:
         return found, white
-    sums = white[: white.size // size * size].reshape(-1, size).sum(axis=1) / np.sqrt(size)
+    sums = summed(white, size)
     slow = modulation(sums, seed)
     p_value = min(2 * found.p_value, 2 * slow.p_value, 1.0)
     # The less likely one says when it is loud, unless it cannot.
@@ -216,13 +217,18 @@ def _modulation_of_n(
     return found, sums
 
 
-def _samples_of_n(state: Investigation) -> int:
+def samples_of_n(state: Investigation) -> int:
     """As many samples together tell most of N: the square of its share in them, for each sample."""
     share = np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
     sizes = 2 ** np.arange(_MOST_DOUBLINGS)
     sizes = sizes[0.5 / sizes >= state.left.frequency[0]]
     told = [np.mean(share[state.left.frequency <= 0.5 / size]) ** 2 / size for size in sizes]
     return int(sizes[np.argmax(told)]) if max(told) > _CLEARER * told[0] else 1
+
+
+def summed(white: Float[np.ndarray, " samples"], size: int) -> Float[np.ndarray, " sums"]:
+    """Sums of `size` samples each, as strong as these."""
+    return white[: white.size // size * size].reshape(-1, size).sum(axis=1) / np.sqrt(size)
 
 
 def forget_loud_times(state: Investigation) -> None:
@@ -243,12 +249,11 @@ def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray
     # it leaves.
     mended = state.contamination is not None and not Others(state).silent
     share = _HEARD if mended else 1.0
-    return np.concatenate(
-        [
-            without_ends(whitened_piece(state, piece, notches, share=share))
-            for piece in state.long_pieces
-        ]
-    )
+    white = [
+        without_ends(whitened_piece(state, piece, notches, share=share))
+        for piece in state.long_pieces
+    ]
+    return np.concatenate(white) / beside_losses(state)
 
 
 def _loud_variance(state: Investigation, changing: Modulation) -> float:
