@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 SUB = 4
 """Front-end samples per output sample."""
 
+# Short numbers are used where their steps are no larger beside what changes between samples.
+_FINE = 0.01
+
 # unit, rate [Hz], samples, coefficients [u = unit: Q u s, N u/sqrt(Hz), B u, K u/sqrt(s), R u/s];
 # magnitudes of data sheets (consumer 0.3 deg/sqrt(h), industrial 0.15, tactical 0.05, ring laser
 # 0.005 with counts of an arc second, which rule its samples).
@@ -163,7 +166,9 @@ def simulate(
     for effect in effects:
         index = effect.hold(next(streams), long, index)
         kept = effect.keep(next(streams), long, kept)
-    log = {"data": x[index][kept].astype(np.float32)}
+    data = x[index][kept]
+    fine = np.spacing(np.float32(np.abs(data).max())) < _FINE * np.std(np.diff(data))
+    log = {"data": data.astype(np.float32) if fine else data}
     if surroundings.temperature:
         log["temperature"] = _thermometer(long, effects, next(streams))[kept].astype(np.float32)
     if surroundings.stamps:

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from ._effect import Effect
-from ._strength import information, modulation_strength
+from ._strength import five_terms, information, modulation_strength
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,23 @@ class Temperature(Effect):
         return lfilter([share], [1, share - 1], room, zi=[(1 - share) * room[0]])[0]
 
     def mean(self, device):
-        return self.sensitivity * self.temperature(device)
+        return self.sensitivity * self.temperature(device) if self.logged else None
+
+    def density(self, device, frequency):
+        """What nobody measured is known by its spectrum: the cycle within 1/T, and the walk."""
+        if self.logged:
+            return None
+        cycle = np.abs(frequency - 1 / self.period) < 0.5 / device.duration
+        room = cycle * self.swing**2 / 2 * device.duration
+        room = room + 2 * self.wander**2 / device.duration / (2 * np.pi * frequency) ** 2
+        passed = 1 / (1 + (2 * np.pi * frequency * self.lag) ** 2)
+        return five_terms(device)(frequency) + self.sensitivity**2 * room * passed
+
+    def features(self, device):
+        return () if self.logged else ((1 / self.period, 1 / device.duration),)
 
     def slow(self, rng, device, x):
-        return x + self.mean(device)
+        return x + self.sensitivity * self.temperature(device)
 
     def scored(self, device):
         return {"sensitivity": self.sensitivity} if self.logged else {}

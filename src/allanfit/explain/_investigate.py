@@ -21,6 +21,7 @@ from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
 from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
+from .courses._rectified import steps_while_loud
 from .courses._switches import switches_only
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
@@ -108,6 +109,8 @@ def investigate(
     _take_all(state, drivers)
     if moved_while_loud(state) or rang_once(state):
         state = _without_knocks(state, power, seed)
+        _take_all(state, drivers)
+    if steps_while_loud(state):
         _take_all(state, drivers)
     whole = _with_switches(state, power, seed)
     if whole is not None:

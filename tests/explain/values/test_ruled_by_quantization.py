@@ -41,3 +41,13 @@ def test_errors_of_the_angle_do_not_cancel_across_lost_samples():
     state = investigated(drawn(3)[kept], lost=0.01, losses=losses)
     assert {finding.name for finding in state.findings} == {"dropped_samples"}
     assert n_of(state) == pytest.approx(1, abs=0.06)
+
+
+def test_a_swing_of_n_is_heard_in_sums():
+    """N swings by a fifth with a period of 900 samples, of which most are errors of the angle."""
+    rng = np.random.default_rng(4)
+    swing = np.sqrt(1 + 0.35 * np.sin(2 * np.pi * np.arange(SAMPLES) / 900))
+    angle = 7 * np.diff(rng.standard_normal(SAMPLES + 1))
+    state = investigated(angle + swing * rng.standard_normal(SAMPLES))
+    (unknown,) = state.unknown
+    assert unknown.period == pytest.approx(900, rel=0.01)

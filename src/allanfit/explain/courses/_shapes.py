@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from .._refit import evidence, moved_by, resize, summed, with_course
 from .._state import Investigation
-from ..strength._lasting import loudness
+from ..strength._lasting import loudness, move_loud_times
 from ..strength._modulation import Modulation
 from . import _course
 from ._course import Course
@@ -51,7 +51,8 @@ def refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Co
         sign = np.sign(course.shape["lag"])
         return _course.polish(course, lambda c: _course.late(felt, sign * c), lag, lag / 2, gain)
     if course.name == "vibration_rectification":
-        course, state.modulation = at_its_edges(state, course)
+        course, moved = at_its_edges(state, course)
+        move_loud_times(state, moved)
     return course
 
 

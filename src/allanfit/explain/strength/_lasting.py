@@ -82,7 +82,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         return True
     if loud and vibrating is None:
         changing = changing.sharp()
-        _count_out(state, changing)
+        count_out(state, changing)
         _name_loud_times(state, changing, of_loud_times(heard, seed))
     if state.format.normal:
         quiet = ~changing.loud if loud else None
@@ -177,8 +177,16 @@ def _name_loud_times(state: Investigation, changing: Modulation, gain: Gain) -> 
     state.gains["variance_modulation"] = gain
 
 
-def _count_out(state: Investigation, changing: Modulation) -> None:
-    """Count white variance out of N that only loud times have."""
+def move_loud_times(state: Investigation, changing: Modulation) -> None:
+    """Loud times that are known better now."""
+    state.modulation = changing
+    named = state.finding("variance_modulation")
+    if named is not None:
+        named.detail = changing
+
+
+def count_out(state: Investigation, changing: Modulation) -> None:
+    """Count white variance out of N that only loud times have, in place of what was before."""
     added = _loud_variance(state, changing)
     # As loud as it gets, in all of the spectrum or in the white part of it.
     share = float(changing.loud.mean())
@@ -188,7 +196,7 @@ def _count_out(state: Investigation, changing: Modulation) -> None:
     strength = np.maximum(1 + part * (changing.deviation() ** 2 - 1), _WEAKEST)
     dilution = float(np.mean(strength**2) / np.mean(strength) ** 2)
     state.spectrum = state.spectrum._replace(dilution=dilution)
-    state.foreign += added
+    state.foreign += added - state.loud_variance
     state.loud_variance = added
     rebin(state)
 

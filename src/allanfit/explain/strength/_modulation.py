@@ -79,6 +79,15 @@ class Modulation(NamedTuple):
         within = np.searchsorted(edges, np.arange(self.loud.size), side="right") % 2 == 1
         return self._replace(loud=within != self.loud[0])
 
+    def at_times(self, loud: Bool[np.ndarray, " samples"]) -> "Modulation":
+        """Two levels with other loud times, and how much louder these are."""
+        assert self.odds is not None
+        # The odds are linear in the squares of the noise.
+        per_sample, one = 2 * self.summed * self.odds, 2 * np.log(self.ratio)
+        quiet, louder = (max(float(np.mean(per_sample[of])) + one, 1e-9) for of in (~loud, loud))
+        ratio = float(np.sqrt(louder / quiet))
+        return self._replace(loud=loud, ratio=ratio, draws=self.draws * ratio / self.ratio)
+
     def deviation(self) -> Float[np.ndarray, " samples"]:
         """Of each sample, over that of the quiet times."""
         return np.where(self.loud, self.ratio, 1.0) if self.strength is None else self.strength
@@ -213,10 +222,16 @@ def _with_strength(
         course, draws = told
         strength = np.exp(np.interp(np.arange(white.size), middles, course) / 2)
     assert draws is not None
-    strength /= np.sqrt(np.mean(strength[~found.loud] ** 2))
-    return found._replace(
-        strength=strength, extremes=np.exp((draws.max(axis=1) - draws.min(axis=1)) / 2)
-    )
+    loud = found.loud
+    if not loud.any() or loud.all():
+        # No two levels of it are worth their changes: what is beyond the middle is loud.
+        loud = strength > np.sqrt(strength.min() * strength.max())
+        quiet, louder = (float(np.mean(strength[of] ** 2)) for of in (~loud, loud))
+        ratio = np.sqrt(louder / quiet)
+        found = found._replace(ratio=float(ratio), draws=found.draws / found.ratio * ratio)
+    strength /= np.sqrt(np.mean(strength[~loud] ** 2))
+    extremes = np.exp((draws.max(axis=1) - draws.min(axis=1)) / 2)
+    return found._replace(loud=loud, strength=strength, extremes=extremes)
 
 
 def _with_levels(

@@ -26,12 +26,10 @@ def beside_losses(state: Investigation) -> Float[np.ndarray, " looked_at"]:
     if not after.size:
         return variance[state.looked_at]
     frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
-    density = np.interp(
-        frequency, state.left.frequency, level(state.left, state.variance) / 2
-    )
+    density = np.interp(frequency, state.left.frequency, level(state.left, state.variance) / 2)
     covariance = np.asarray(irfft(density, _KERNEL))
     kernel = np.asarray(irfft(1 / np.sqrt(density), _KERNEL))
-    for count in np.unique(lost[after]).astype(int):
+    for count in map(int, np.unique(lost[after])):
         added = _added(covariance, kernel, count)
         if np.abs(added).max() < _HEARD:
             continue
