@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.stats import binom
 
+from allanfit.explain._investigate import investigate
 from allanfit.explain.strength._bursts import bursts
 
 SAMPLES = 20_000
@@ -72,3 +73,18 @@ def test_a_knock_makes_no_second_one_elsewhere():
         assert loud[2000:2040].all()
         elsewhere += loud[8192:].any()
     assert elsewhere < 2
+
+
+def test_a_knock_shows_among_samples_that_now_and_then_repeat():
+    """A tenth repeats: such noise has hardly longer tails than noise of its own."""
+    rng = np.random.default_rng(3)
+    fresh = rng.random(100_000) > 0.1
+    fresh[0] = True
+    x = rng.standard_normal(100_000)
+    time = np.arange(400)
+    x[60_000:60_400] += 2.2 * np.exp(-time / 80) * np.sin(2 * np.pi * 0.05 * time)
+    held = x[np.flatnonzero(fresh)[np.cumsum(fresh) - 1]]
+    state = investigate(held, ((0, held.size),), "point", np.array([1e-6, 1.0, 0.0, 0.0]))
+    assert {finding.name for finding in state.findings} == {"sample_hold", "disturbance"}
+    (knock,) = state.knocks
+    assert knock[0] < 60_050 < knock[1]

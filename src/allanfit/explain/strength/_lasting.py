@@ -23,8 +23,9 @@ from ._vibration import away_from_edges, take_out, vibration
 # Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
 _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 # Short spectra of held or rounded values stand out by up to so many times as much by chance, by
-# records of white noise held up to seven samples long, or rounded to five times its deviation.
-_LONGER_TAIL = 3.0
+# records of white noise held up to seven samples long, or rounded to five times its deviation. Held
+# for less long on average, or rounded less coarsely, hardly, or not at all.
+_LONGER_TAIL, _HARDLY_LONGER, _BRIEFLY, _FINE = 3.0, 1.25, 1.5, 1.5
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 # So much of the modes is heard in full where samples were mended.
@@ -116,8 +117,7 @@ def _knocked(
     even: Float[np.ndarray, " looked_at"],
 ) -> Modulation | None:
     """Times in which short spectra of `even` noise stand out, if they do and are brief."""
-    tail = 1.0 if state.format.normal else _LONGER_TAIL
-    brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN), tail)
+    brief = bursts(np.clip(even, -PULLED_IN, PULLED_IN), _tail(state))
     state.witness(
         "bursts",
         brief.ratio,
@@ -130,6 +130,16 @@ def _knocked(
     if not unlikely or hidden or brief.loud.mean() >= BRIEF_SHARE:
         return None
     return as_modulation(white, brief._replace(loud=apart))
+
+
+def _tail(state: Investigation) -> float:
+    """How many times as strong as those of normal noise short spectra are by chance."""
+    repeat = state.format.repeat
+    if state.format.normal:
+        return 1.0
+    if _discrete.codes_over_noise(state) > _FINE or (repeat and repeat.samples > _BRIEFLY):
+        return _LONGER_TAIL
+    return 1.0 if repeat is None else _HARDLY_LONGER
 
 
 def _evened(
