@@ -14,7 +14,14 @@ from ..values import _discrete
 from ..values._alone import Others
 from ..values._held_out import Gain, of_loud_times
 from ..values._losses import beside_losses
-from ..values._spikes import height_of, name_clear_spikes, name_spikes, put_back, take_out_spikes
+from ..values._spikes import (
+    height_of,
+    name_clear_spikes,
+    name_errors,
+    name_spikes,
+    put_back,
+    take_out_spikes,
+)
 from ._bursts import bursts
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation, of_samples
@@ -103,9 +110,12 @@ def _name_tall_spikes(state: Investigation, seed: int) -> None:
         return
     mean = level(state.left, state.variance)
     even, others = _white(state, ()), Others(state)
-    height = height_of(mean) if others.silent else others.height
-    even[tall] = errors * height
-    name_spikes(state, even, mean, height, seed)
+    if others.silent:
+        even[tall] = errors * height_of(mean)
+        name_spikes(state, even, mean, height_of(mean), seed)
+    else:
+        even[tall] = errors * others.height
+        name_errors(state, even, mean, others, errors, seed)
     if state.contamination is None:
         put_back(state, recorded)
     refit(state)

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.fft import irfft
 from scipy.ndimage import maximum_filter1d
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import binom, norm
@@ -21,16 +22,18 @@ from ..spectrum._whiten import END, level, mode_frequency, precision, shaped
 # A white record shows a wrong sample in one place if it keeps so much of its height.
 _WHITE = 0.9
 # What others say of one may come from slow noise for such a part.
-_DRIFTS = 0.3
-# Of what stands out this near together, the highest is the one that is wrong, or the first of them.
-_NEAR = 16
-# Slower than this [cycles per sample] noise is no matter of single samples.
-_SLOWEST = 1 / (2 * _NEAR)
+_DRIFTS = 0.4
+# Of what stands out this near together, the highest is the one that is wrong, or the first of them;
+# slower noise is no matter of single samples. Where quantization rules, an error is seen in the sum
+# of some samples: there as near as its response is this high, but no further than so many samples.
+_NEAR, _HIGH, _FARTHEST, _KERNEL = 16, 0.01, 128, 4096
 # What is lower than the highest by more than this may be its echo.
 _ECHO = 0.5
 # The lower wrong samples stand out once the spectrum is known without the higher ones. Most records
 # need three passes of six rounds; without an end two places might change about.
 _PASSES, _ROUNDS = 6, 30
+# A loss is told within such a part of as near as errors are told from one another.
+_BESIDE = 4
 # Solved so exactly, errors of what others expect are far below the noise.
 _EXACT, _MOST_STEPS = 1e-5, 200
 # The chance of so many near together from which on they are no single samples.
@@ -47,12 +50,32 @@ class Others:
         every = np.concatenate(self._weights)
         #: How tall an error of one unit is over what they leave open [1/u].
         self.height = float(np.sqrt(np.mean(every)))
-        white = float(np.mean(np.sqrt(every))) > _WHITE * self.height
-        slow = np.concatenate([mode_frequency(size) < _SLOWEST for size in self._sizes])
-        drifts = float(np.sum(every[slow])) > _DRIFTS * float(np.sum(every))
-        #: Whether they say nothing of one: a record made white shows an error in one sample, or,
-        #: where quantization rules, they contradict each drift and step as well.
-        self.silent = white or drifts
+        #: Whether a record made white shows an error in one sample, and they say nothing of one.
+        self.white = float(np.mean(np.sqrt(every))) > _WHITE * self.height
+        #: Samples within which one is told from another.
+        self.near = _NEAR
+        if self._drifts():
+            frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
+            density = np.interp(frequency, state.left.frequency, expected)
+            response = np.asarray(irfft(1 / density, _KERNEL))
+            high = np.abs(response[:_FARTHEST]) > _HIGH * response[0]
+            self.near = max(_NEAR, int(np.flatnonzero(high)[-1]) + 1)
+        #: Whether they are not to be asked which samples are wrong: where quantization rules, they
+        #: contradict each drift and step as well.
+        self.silent = self.white or self._drifts()
+
+    @property
+    def slowest(self) -> float:
+        """Slower than this [cycles per sample] noise is no matter of single samples."""
+        return 1 / (2 * self.near)
+
+    def _drifts(self) -> bool:
+        """Whether what they say of one comes from slow noise."""
+        slow = [
+            float(np.sum(weights[mode_frequency(weights.size) < self.slowest]))
+            for weights in self._weights
+        ]
+        return sum(slow) > _DRIFTS * float(sum(map(np.sum, self._weights)))
 
     def contradict(
         self, values: Float[np.ndarray, " looked_at"], *, slowest: float = 0.0
@@ -101,14 +124,13 @@ class Others:
         At half the sampling rate a step is like an error of half its size. Slow drifts tell
         nothing. The `values` are without the errors.
         """
-        fast = [np.where(mode_frequency(w.size) < _SLOWEST, 0.0, w) for w in self._weights]
-        swing = [
-            4 * np.sin(np.pi * np.maximum(mode_frequency(w.size), _SLOWEST)) ** 2 for w in fast
-        ]
+        slowest = self.slowest
+        fast = [np.where(mode_frequency(w.size) < slowest, 0.0, w) for w in self._weights]
+        swing = [4 * np.sin(np.pi * np.maximum(mode_frequency(w.size), slowest)) ** 2 for w in fast]
         spike = float(np.mean(np.concatenate(fast)))
         step = np.mean(np.concatenate([w / each for w, each in zip(fast, swing, strict=True)]))
         # A step is the sum of errors from its place on. That of the error itself is symmetric.
-        summed = np.cumsum(self.contradict(values, slowest=_SLOWEST))
+        summed = np.cumsum(self.contradict(values, slowest=slowest))
         after, before = summed[at], summed[at - 1]
         own = errors * spike / 2
         by_step = np.maximum(np.abs(after + own), np.abs(before - own))
@@ -138,8 +160,8 @@ def behind_filter(
     # How white the noise is shows without the errors, which are white.
     trial = replace(state)
     calm = state.calm[state.looked_at]
-    reach = float(norm.isf(state.alarm / 2 / calm.size))
-    wrong, refused = known.copy(), _ends(state)
+    reach = clear_of_noise(state, calm.size)
+    wrong, refused = known.copy(), _no_witness(state, Others(trial).near // _BESIDE)
     for _ in range(_PASSES):
         before, others = wrong, Others(trial)
         wrong = _stand_out(others, calm, known, wrong, refused, reach)
@@ -151,6 +173,11 @@ def behind_filter(
         if np.array_equal(wrong, before):
             break
     return None if Others(trial).silent else (wrong, trial.values)
+
+
+def clear_of_noise(state: Investigation, samples: int) -> float:
+    """Standard deviations that none of so many samples of noise is likely to reach."""
+    return float(norm.isf(state.alarm / 2 / samples))
 
 
 def _stand_out(
@@ -170,11 +197,11 @@ def _stand_out(
         at = np.flatnonzero(wrong)
         filled[at] = others.expect(calm, at)
         high = np.abs(others.contradict(filled)) / others.height
-        peaks = (high == maximum_filter1d(high, 2 * _NEAR + 1)) & ~refused
+        peaks = (high == maximum_filter1d(high, 2 * others.near + 1)) & ~refused
         more = peaks & (high > max(reach, _ECHO * np.max(high, where=peaks, initial=0.0)))
         if not more.any():
             break
-        refused |= _together(wrong | more) & ~known
+        refused |= _together(wrong | more, others.near) & ~known
         wrong = (wrong | more) & ~refused
     at = np.flatnonzero(wrong & ~known)
     errors = calm[at] - filled[at]
@@ -186,19 +213,25 @@ def _stand_out(
     return wrong & (known | ~refused)
 
 
-def _ends(state: Investigation) -> Bool[np.ndarray, " looked_at"]:
-    """What is not made white."""
+def _no_witness(state: Investigation, near: int) -> Bool[np.ndarray, " looked_at"]:
+    """Where others say nothing: at the ends, which are not made white, and beside a loss.
+
+    Others are neighbours in the log, and not in time there.
+    """
     sizes = [stop - start for start, stop in state.long_pieces]
     from_ends = [np.minimum(np.arange(size), np.arange(size)[::-1]) for size in sizes]
-    return np.concatenate(from_ends) < END
+    apart = np.zeros(state.values.size, bool)
+    for after in np.flatnonzero(np.diff(state.place) > 1) + 1:
+        apart[max(after - near, 0) : after + near] = True
+    return (np.concatenate(from_ends) < END) | apart[state.looked_at]
 
 
-def _together(wrong: Bool[np.ndarray, " looked_at"]) -> Bool[np.ndarray, " looked_at"]:
+def _together(wrong: Bool[np.ndarray, " looked_at"], reach: int) -> Bool[np.ndarray, " looked_at"]:
     """Those that are close together, if more are than would be by chance: a knock."""
     at = np.flatnonzero(wrong)
     gaps = np.concatenate([[np.inf], np.diff(at), [np.inf]])
-    near = np.minimum(gaps[:-1], gaps[1:]) <= _NEAR
-    chance = 1 - (1 - at.size / wrong.size) ** (2 * _NEAR)
+    near = np.minimum(gaps[:-1], gaps[1:]) <= reach
+    chance = 1 - (1 - at.size / wrong.size) ** (2 * reach)
     together = np.zeros(wrong.size, bool)
     together[at[near]] = binom.sf(near.sum() - 1, at.size, chance) < _TOGETHER
     return together

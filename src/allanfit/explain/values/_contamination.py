@@ -12,7 +12,7 @@ from jaxtyping import Float
 from scipy.fft import irfft, rfftfreq
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit
-from scipy.stats import chi2
+from scipy.stats import binom, chi2, norm
 
 # Uniform parts whose fourth powers add up to less than that of this change no tail.
 _FLAT = 0.3
@@ -181,6 +181,52 @@ def log_mixture(
     """Log density of a mixture."""
     three = found.fraction, found.amplitude, found.sigma
     return np.log(np.maximum(sum(_densities(three, found.heavy, found.boxes, at)), 1e-300))
+
+
+def beyond(
+    sizes: Float[np.ndarray, " spikes"], reach: float, samples: int, seed: int
+) -> Contamination:
+    """Spikes of which only those beyond some reach are told from noise, by maximum likelihood.
+
+    How many there are, and how far, tells of those within. `sizes` and `reach` are in standard
+    deviations of the noise, and so is what is found, but for gain and chance: these are of so many
+    among `samples` by chance.
+    """
+
+    def negative(two: Float[np.ndarray, " two"]) -> float:
+        fraction, wide = expit(two[0]), np.hypot(1.0, np.exp(two[1]))
+        within = 1 - fraction * 2 * norm.sf(reach / wide)
+        density = fraction * np.maximum(normal(sizes / wide), 1e-300) / wide
+        return -float((samples - sizes.size) * np.log(within) + np.log(density).sum())
+
+    start = np.array([np.log(2 * sizes.size / samples), np.log(np.sqrt(np.mean(sizes**2)))])
+    best = minimize(negative, start, method="Nelder-Mead").x
+    drawn = curvature_draws(negative, best, seed)
+    draws = np.column_stack([expit(drawn[:, 0]), np.exp(drawn[:, 1]), np.ones(len(drawn))])
+    log_p = float(binom.logsf(sizes.size - 1, samples, 2 * norm.sf(reach)))
+    gain, p_value = max(-2 * log_p, 0.0), float(np.exp(log_p))
+    fraction, size = float(expit(best[0])), float(np.exp(best[1]))
+    return Contamination(fraction, size, 1.0, False, (), reach, draws, gain, p_value)
+
+
+def in_units(found: Contamination, height: float) -> Contamination:
+    """In another unit, of which one stands `height` tall."""
+    scale = np.array([1.0, 1 / height, 1 / height])
+    return found._replace(
+        amplitude=found.amplitude / height,
+        sigma=found.sigma / height,
+        threshold=found.threshold / height,
+        draws=found.draws * scale,
+    )
+
+
+def unseen(found: Contamination) -> float:
+    """Variance that spikes within reach of the noise add to it, in whitened units."""
+    widest = _GRID_REACH * float(np.hypot(found.sigma, found.amplitude))
+    at = np.linspace(0.0, min(found.threshold, widest), _GRID_POINTS)
+    three = found.fraction, found.amplitude, found.sigma
+    spikes = _densities(three, found.heavy, found.boxes, at)[1]
+    return max(2 * float(np.trapezoid(spikes * (at**2 - found.sigma**2), at)), 0.0)
 
 
 def curvature_draws(

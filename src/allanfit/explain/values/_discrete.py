@@ -7,14 +7,12 @@ a code. What is far from all that both can do is a spike.
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.optimize import minimize
-from scipy.special import expit
 from scipy.stats import binom, norm
 
 from .._intervals import runs
 from .._state import Investigation
 from ..strength._modulation import Modulation, modulation
-from ._contamination import Contamination, curvature_draws, normal
+from ._contamination import Contamination, beyond, in_units
 
 # Codes so many times as wide as the noise hide whether it lasts, and so many times, what is brief.
 LASTING, BRIEF = 3.0, 5.0
@@ -112,36 +110,11 @@ def clear_spikes(
     places = len(runs(clear))
     if places < _FEWEST or clear.mean() > 0.5:
         return None
-    reach, far = _FAR + code, np.abs(values[clear]) / sigma
-
-    def negative(two: Float[np.ndarray, " two"]) -> float:
-        fraction, wide = expit(two[0]), np.hypot(1.0, np.exp(two[1]))
-        within = 1 - fraction * 2 * norm.sf(reach / wide)
-        beyond = np.log(fraction * np.maximum(normal(far / wide), 1e-300) / wide)
-        return -float((values.size - far.size) * np.log(within) + beyond.sum())
-
-    start = np.array([np.log(2 * clear.mean()), np.log(np.sqrt(np.mean(far**2)))])
-    best = minimize(negative, start, method="Nelder-Mead").x
-    drawn = curvature_draws(negative, best, seed)
-    fraction, size = float(expit(best[0])), float(np.exp(best[1])) * sigma
-    draws = np.column_stack(
-        [expit(drawn[:, 0]), np.exp(drawn[:, 1]) * sigma, np.full(len(drawn), sigma)]
-    )
+    found = beyond(np.abs(values[clear]) / sigma, _FAR + code, values.size, seed)
+    # Samples of one place are no witnesses of their own.
     log_p = float(binom.logsf(places - 1, values.size, 2 * norm.sf(_FAR)))
-    gain = max(-2 * log_p, 0.0)
-    found = Contamination(
-        fraction, size, sigma, False, (), reach * sigma, draws, gain, float(np.exp(log_p))
-    )
-    return found, as_held(clear, told, even.size)
-
-
-def unseen(found: Contamination) -> float:
-    """Variance that spikes within reach of the noise add to it, in whitened units."""
-    wide = np.hypot(found.sigma, found.amplitude)
-    reach = found.threshold / wide
-    within = 1 - 2 * norm.sf(reach)
-    squared = wide**2 * (within - 2 * reach * norm.pdf(reach))
-    return max(found.fraction * float(squared - within * found.sigma**2), 0.0)
+    found = found._replace(gain=max(-2 * log_p, 0.0), p_value=float(np.exp(log_p)))
+    return in_units(found, 1 / sigma), as_held(clear, told, even.size)
 
 
 def replaced(

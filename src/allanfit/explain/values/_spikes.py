@@ -9,8 +9,8 @@ from .._refit import refit
 from .._state import Finding, Investigation
 from ..spectrum._whiten import END
 from . import _discrete
-from ._alone import Others, behind_filter, read_again
-from ._contamination import Contamination, contamination
+from ._alone import Others, behind_filter, clear_of_noise, read_again
+from ._contamination import Contamination, beyond, contamination, in_units, unseen
 from ._held_out import of_events, of_spikes
 from ._skewness import leans
 
@@ -30,6 +30,8 @@ _NARROWEST, _MOST_UNIFORM = 0.02, 0.9
 _IN_QUIET = 0.01
 # Standard deviations of a spike that passes for a step, a knock, or a time that is loud.
 _TALL = 30.0
+# A white record shows a spike in one sample if all of it is no larger, squared, by this.
+_SPREAD = 1.1
 # Samples on either side that tell where one should be, and how many times as far a spike has to be
 # from their median as one that was made white.
 _BESIDE, _BEYOND = 4, 1.5
@@ -88,17 +90,8 @@ def name_spikes(
     if state.contamination is not None:
         return
     boxes = _uniform_parts(state, mean)
-    spiky = contamination(even, seed, boxes)
-    state.witness(
-        "outliers",
-        spiky.gain,
-        spiky.p_value,
-        "Two normal distributions against one, on the whitened record.",
-    )
-    spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
-    # Small ones, or noise with long tails. A mixture of two shapes of one width has short tails.
-    tails = spiky.gain > _LONG_TAILED and spiky.amplitude > spiky.sigma / 2
-    if not (spikes or tails):
+    spiky = _spiky(state, even, boxes, seed)
+    if spiky is None:
         return
     if quiet is not None and contamination(even[quiet], seed, boxes).p_value > _IN_QUIET:
         return
@@ -113,10 +106,59 @@ def name_spikes(
         # What all other samples leave open about one is the harmonic mean of the spectrum: of white
         # noise all of it, and behind a filter nearly nothing.
         _excise(state, clear, spiky.sigma * float(np.sqrt(1 / np.mean(2 / mean))), seed)
-        wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
+        # Where a spike is more than one sample of the white record, its neighbours are wrong too.
+        alone = np.mean(2 / mean) < _SPREAD * height_of(mean) ** 2
+        left = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
+        wrong = left if alone else unseen(spiky)
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
     state.foreign += max(wrong, 0.0) / height**2
+
+
+def name_errors(
+    state: Investigation,
+    even: Float[np.ndarray, " looked_at"],
+    mean: Float[np.ndarray, " ordinates"],
+    others: Others,
+    errors: Float[np.ndarray, " errors"],
+    seed: int,
+) -> None:
+    """Name errors [u] that all `others` contradict, which the values lack already.
+
+    Among what is `even` they stand as tall as the others see them.
+    """
+    boxes = _uniform_parts(state, mean)
+    spiky = _spiky(state, even, boxes, seed)
+    if spiky is None:
+        return
+    if not spiky.heavy:
+        # Smaller ones are left in, which the others do not contradict and no white record shows.
+        reach = clear_of_noise(state, even.size)
+        sizes = np.maximum(np.abs(errors) * others.height, reach)
+        spiky = beyond(sizes, reach, even.size, seed)._replace(
+            gain=spiky.gain, p_value=spiky.p_value
+        )
+    _take_spikes(state, spiky, others.height)
+    state.gains["outliers"] = of_spikes(even, boxes, seed)
+    state.leans = leans(even, spiky.fraction)
+    state.foreign += unseen(spiky) / others.height**2
+
+
+def _spiky(
+    state: Investigation, even: Float[np.ndarray, " looked_at"], boxes: tuple[float, ...], seed: int
+) -> Contamination | None:
+    """The spikes among what is `even`, if there are any."""
+    spiky = contamination(even, seed, boxes)
+    state.witness(
+        "outliers",
+        spiky.gain,
+        spiky.p_value,
+        "Two normal distributions against one, on the whitened record.",
+    )
+    spikes = spiky.p_value < state.alarm and spiky.amplitude > 1.5 * spiky.sigma
+    # Small ones, or noise with long tails. A mixture of two shapes of one width has short tails.
+    tails = spiky.gain > _LONG_TAILED and spiky.amplitude > spiky.sigma / 2
+    return spiky if spikes or tails else None
 
 
 def name_clear_spikes(
@@ -130,7 +172,7 @@ def name_clear_spikes(
     _take_spikes(state, spiky, height)
     state.gains["outliers"] = of_events(clear, spiky.p_value)
     if clear.mean() < _RARE:
-        wrong = _discrete.unseen(spiky)
+        wrong = unseen(spiky)
         state.values = _discrete.replaced(state.values, state.looked_at[clear], seed)
         read_again(state)
     else:
@@ -139,7 +181,7 @@ def name_clear_spikes(
 
 
 def _take_spikes(state: Investigation, spiky: Contamination, height: float) -> None:
-    state.contamination = _in_units(spiky, height)
+    state.contamination = in_units(spiky, height)
     log_p = np.log(max(spiky.p_value, 1e-300))
     state.findings.append(Finding("outliers", log_p, spiky.gain, {}, state.contamination))
 
@@ -170,14 +212,6 @@ def _uniform_parts(
     return tuple(float(each) for each in half)
 
 
-def _in_units(found: Contamination, height: float) -> Contamination:
-    """In the unit of the record, where a spike of one unit stands `height` tall when whitened."""
-    scale = np.array([1.0, 1 / height, 1 / height])
-    return found._replace(
-        amplitude=found.amplitude / height, sigma=found.sigma / height, draws=found.draws * scale
-    )
-
-
 def _at_ends(state: Investigation, least: float) -> Bool[np.ndarray, " looked_at"]:
     """Spikes among the samples at the ends, which are not made white: far from those about them."""
     found = np.zeros(state.looked_at.size, bool)
@@ -201,12 +235,12 @@ def _excise(
     """Put neighbours' means with noise of their own in place of spikes, for the analysis alone.
 
     Of the standard `deviation` of the noise without spikes [u]: else the spectrum would lack what
-    was replaced. Behind a filter the means would be more wrong than the noise is, and all others
-    leave nearly nothing open: what they expect comes in place.
+    was replaced. Behind a filter, and where quantization rules, the means would be more wrong than
+    the noise is, and all others leave nearly nothing open: what they expect comes in place.
     """
     others = Others(state)
-    values = state.values.copy() if others.silent else others.filled(state, clear)
-    if others.silent:
+    values = state.values.copy() if others.white else others.filled(state, clear)
+    if others.white:
         noise = deviation * np.random.default_rng(seed).normal(size=clear.sum())
         good, wrong = state.looked_at[~clear], state.looked_at[clear]
         for at, own in zip(wrong, noise, strict=True):
