@@ -17,7 +17,7 @@ from ..recording._checks import usable
 from ._chance import log_chance
 from ._intervals import cut_out, joined
 from ._refit import drop_courses, evidence, finer_edges, go_back, refit, remembered, resize
-from ._rounds import LEEWAY, LINE_ALARM, take_one, take_strong_lines
+from ._rounds import LEEWAY, LINE_ALARM, TWO, take_one, take_strong_lines
 from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
@@ -230,7 +230,19 @@ def _reconsider_courses(state: Investigation) -> None:
     for course in [each for each in state.courses if each.name != "sinusoid"]:
         if len(state.courses) == 1:
             return
-        _drop_unless(state, course, lambda gain, log_p: log_p <= np.log(state.alarm))
+        found = next(
+            finding
+            for each, finding in zip(
+                state.courses,
+                state.findings_of([each.name for each in state.courses]),
+                strict=True,
+            )
+            if each is course
+        )
+        # Of two steps that are no chance together, each may be one as seldom as this.
+        two = found is not None and found.detail == TWO
+        most = np.log(state.alarm) / (2 if two else 1)
+        _drop_unless(state, course, lambda gain, log_p, most=most: log_p <= most)
 
 
 def _reconsider_lines(state: Investigation) -> None:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.stats import poisson
 
 from ._chance import course_score, log_chance, score
 from ._refit import add_course, drop_courses, evidence, finer_edges, go_back, remembered
@@ -34,6 +35,8 @@ _STAND_INS = ("gauss_markov", "power_law")
 LEEWAY = 3.0
 # Courses that hide together with broad noise behind one random walk, if their chance is so small.
 _SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
+#: Of steps of which one alone might be chance, and two are not.
+TWO = "two"
 # And another shape of a filter that is known.
 _DROOP = "droop"
 # In twice the log-likelihood.
@@ -68,7 +71,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
     alarms = _alarms(state, found)
     if not alarms:
-        return _take_together(state, found)
+        return _take_together(state, found) or _take_two_steps(state, found)
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
     if among is None and chosen.name in _STAND_INS:
@@ -112,6 +115,36 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
             return True
     go_back(state, kept)
     return False
+
+
+def _take_two_steps(state: Investigation, found: list[Option]) -> bool:
+    """Two steps of which either may be chance, but hardly both; says whether they were taken.
+
+    A bias that goes elsewhere for a while and comes back has two.
+    """
+    first = _strongest_step(found)
+    if first is None:
+        return False
+    kept = remembered(state)
+    first.take({})
+    second = _strongest_step(course_options(state, {}))
+    if second is not None:
+        # As many places are as unlikely by a Poisson law, and one alone had its turn.
+        weaker = max(first.log_p, second.log_p)
+        both = float(poisson.logsf(1, np.exp(weaker)) + np.log(2))
+        state.nearest = min(state.nearest, both)
+        if both < np.log(state.alarm):
+            second.take({})
+            for finding in state.findings[-2:]:
+                finding.log_p, finding.detail = both, TWO
+            return True
+    go_back(state, kept)
+    return False
+
+
+def _strongest_step(found: list[Option]) -> Option | None:
+    steps = [option for option in found if option.name == "step" and option.log_p < _HINT]
+    return min(steps, key=lambda option: option.log_p, default=None)
 
 
 def take_strong_lines(state: Investigation) -> None:
