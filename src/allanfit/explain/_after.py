@@ -30,6 +30,9 @@ def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
     power = draws.power.copy()
     _unclip(state, power, best)
     _unround(state, power, best, seed)
+    if state.unseen is not None:
+        power[:, 1] -= np.random.default_rng(seed).choice(state.unseen, len(power))
+        power[:, 1] = np.maximum(power[:, 1], 0.0)
     ramps, chance = _ramps(state, draws, seed)
     rises = np.array(
         [rise_without(k, state.model, state.data) if terms[k] else 0.0 for k in range(4)]

@@ -187,7 +187,8 @@ def _begin_again(
     later.stride, later.at = state.stride, state.at
     later.breaks, later.place = state.breaks, state.place
     # Spikes are no longer among the values.
-    later.contamination, later.foreign = state.contamination, state.foreign - state.loud_variance
+    later.contamination, later.unseen = state.contamination, state.unseen
+    later.foreign = state.foreign - state.loud_variance
     # Where the output keeps clear of its rails they are no less there.
     rails = state.format.rails
     clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))

@@ -131,6 +131,8 @@ class Investigation:
     #: alone, and of codes.
     foreign: float = 0.0
     loud_variance: float = 0.0
+    #: Draws of the variance of spikes within reach of the noise [u^2], less what `foreign` has.
+    unseen: Float[np.ndarray, " draws"] | None = None
     rounding: Rounding = UNROUNDED
     #: The probability that codes are those of the rate, and not of an angle.
     rate_rounded: float = 1.0

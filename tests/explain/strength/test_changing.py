@@ -102,3 +102,14 @@ def test_a_level_that_is_known_to_change_is_no_contrast_that_moves():
     moving = rng.exponential(size=(400, 127)) * (1 + 0.05 * turning * slope)
     assert moved_along(moving, contrasts)[1] < np.log(1e-4)
     assert moved_along(moving, contrasts, slope)[1] > np.log(1e-3)
+
+
+def test_a_swing_has_its_period():
+    """Of which a record has nine, or hundreds: power that swings by a tenth among 134,000."""
+    time = np.arange(134_000)
+    for period in (14_900, 2233, 150):
+        swing = np.sqrt(1 + 0.12 * np.sin(2 * np.pi * time / period))
+        found = swinging(swing * np.random.default_rng(0).standard_normal(time.size))
+        assert found is not None
+        assert abs(time.size / found[0] - time.size / period) < 1
+        assert found[1] < -20

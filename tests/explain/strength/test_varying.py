@@ -70,3 +70,26 @@ def test_vibration_of_varying_strength_leaves_n():
     assert state.vibration is not None
     assert [each.like for each in state.unknown] == ["vibration does so"]
     assert abs(np.exp(state.model.theta[1] / 2) - 1) < 0.04
+
+
+def test_a_weak_swing_is_loud_half_of_the_time():
+    """Forty-five swings of a tenth in power: none is worth the changes of two levels."""
+    swing = np.sin(90 * np.pi * np.arange(134_000) / 134_000)
+    white = np.sqrt(1 + 0.114 * swing) * np.random.default_rng(0).standard_normal(134_000)
+    found = modulation(white, 0)
+    assert found.p_value < 1e-8
+    assert found.strength is not None
+    assert 0.3 < found.loud.mean() < 0.7
+    assert np.mean(found.loud[swing > 0.5]) > 0.85 > 0.15 > np.mean(found.loud[swing < -0.5])
+    # Where it is loud power is 1 + 0.114 * 2/pi of the mean, and as much less elsewhere.
+    assert found.ratio == pytest.approx(np.sqrt(1.073 / 0.927), rel=0.03)
+
+
+def test_levels_at_other_times():
+    """Loud times that were known with a part missing are as loud as they are without it."""
+    loud = (np.arange(SAMPLES) // 10_000) % 2 == 1
+    white = np.where(loud, 1.5, 1.0) * np.random.default_rng(2).standard_normal(SAMPLES)
+    found = modulation(white / white.std(), 0)
+    wrong = found.at_times(found.loud & (np.arange(SAMPLES) < 40_000))
+    assert wrong.ratio < 0.95 * found.ratio
+    assert wrong.at_times(loud).ratio == pytest.approx(1.5, rel=0.03)

@@ -51,3 +51,28 @@ def test_a_swing_of_n_is_heard_in_sums():
     state = investigated(angle + swing * rng.standard_normal(SAMPLES))
     (unknown,) = state.unknown
     assert unknown.period == pytest.approx(900, rel=0.01)
+
+
+@pytest.mark.parametrize(("size", "share"), [(15.0, 0.003), (40.0, 5e-4), (400.0, 5e-4)])
+def test_single_errors_are_seen_in_sums(size, share):
+    """From four times what all other samples leave open of one (3.75), and two of its deviation."""
+    rng = np.random.default_rng(5)
+    hit = rng.random(SAMPLES) < share
+    state = investigated(drawn(6) + size * hit * rng.standard_normal(SAMPLES))
+    assert {finding.name for finding in state.findings} == {"outliers"}
+    found = state.contamination
+    assert found is not None
+    # Draws are the tool's own; the numbers of errors are known from chance to some ten per cent.
+    low, high = np.quantile(found.draws, [1e-3, 1 - 1e-3], axis=0)
+    assert low[0] < share < high[0]
+    assert low[1] < size < high[1]
+    assert n_of(state) == pytest.approx(1, abs=0.06)
+
+
+def test_steps_are_no_single_errors():
+    """Three steps of a third of N's deviation, as a tactical gyro's bias makes them."""
+    values = drawn(7)
+    for at in (30_000, 61_000, 100_000):
+        values[at:] += 0.3
+    names = {finding.name for finding in investigated(values).findings}
+    assert names == {"step"}

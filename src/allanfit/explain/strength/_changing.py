@@ -4,9 +4,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Shaped
 from scipy.stats import chi2
 
-# A swing of the noise is looked for from so many periods on, and up to as many short of half the
-# rate.
-_FEWEST_SWINGS = 100
+# A swing of the noise is looked for from so many periods on, and up to a hundred short of half the
+# rate. Slower ones are courses of its strength.
+_FEWEST_SWINGS, _FASTEST = 8, 100
 #: Samples of a tile.
 TILE = 256
 _BANDS, _FEWEST_BANDS = 12, 4
@@ -170,7 +170,7 @@ def swinging(
     squares = white**2 - np.mean(white**2)
     power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
     usable = np.zeros(power.size, bool)
-    usable[max(_FEWEST_SWINGS, int(white.size / longest) + 1) : -1 - _FEWEST_SWINGS] = True
+    usable[max(_FEWEST_SWINGS, int(white.size / longest) + 1) : -1 - _FASTEST] = True
     if usable.sum() < TILE:
         return None
     # A strong resonance makes the squares uneven: each stretch of them by its own median.

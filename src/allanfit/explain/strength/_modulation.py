@@ -82,11 +82,12 @@ class Modulation(NamedTuple):
     def at_times(self, loud: Bool[np.ndarray, " samples"]) -> "Modulation":
         """Two levels with other loud times, and how much louder these are."""
         assert self.odds is not None
-        # The odds are linear in the squares of the noise.
-        per_sample, one = 2 * self.summed * self.odds, 2 * np.log(self.ratio)
-        quiet, louder = (max(float(np.mean(per_sample[of])) + one, 1e-9) for of in (~loud, loud))
-        ratio = float(np.sqrt(louder / quiet))
-        return self._replace(loud=loud, ratio=ratio, draws=self.draws * ratio / self.ratio)
+        # The odds are linear in the squares of the noise, in some unit.
+        squares = 2 * self.summed * self.odds + 2 * np.log(self.ratio)
+        quiet, louder = (max(float(np.mean(squares[of])), 1e-9) for of in (~loud, loud))
+        ratio, odds = float(np.sqrt(louder / quiet)), _log_odds(squares, quiet, louder)
+        draws = self.draws * ratio / self.ratio
+        return self._replace(loud=loud, ratio=ratio, draws=draws, odds=odds / self.summed)
 
     def deviation(self) -> Float[np.ndarray, " samples"]:
         """Of each sample, over that of the quiet times."""
@@ -181,7 +182,11 @@ def of_samples(
 
 def _odds(white: Samples, quiet: float, loud: float) -> Samples:
     """The log of how much likelier each sample is with the variance of the loud times."""
-    squares = np.minimum(white**2, PULLED_IN**2 * max(quiet, loud))
+    return _log_odds(np.minimum(white**2, PULLED_IN**2 * max(quiet, loud)), quiet, loud)
+
+
+def _log_odds(squares: Samples, quiet: float, loud: float) -> Samples:
+    """Of normal samples with these squares, between two variances."""
     return (squares * (1 / quiet - 1 / loud) - np.log(loud / quiet)) / 2
 
 

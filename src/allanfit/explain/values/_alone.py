@@ -26,7 +26,7 @@ _DRIFTS = 0.4
 # Of what stands out this near together, the highest is the one that is wrong, or the first of them;
 # slower noise is no matter of single samples. Where quantization rules, an error is seen in the sum
 # of some samples: there as near as its response is this high, but no further than so many samples.
-_NEAR, _HIGH, _FARTHEST, _KERNEL = 16, 0.01, 128, 4096
+_NEAR, _HIGH, _FARTHEST, _KERNEL = 16, 0.003, 128, 4096
 # What is lower than the highest by more than this may be its echo.
 _ECHO = 0.5
 # The lower wrong samples stand out once the spectrum is known without the higher ones. Most records

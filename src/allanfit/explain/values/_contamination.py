@@ -21,6 +21,11 @@ _FLAT = 0.3
 _GRID_REACH, _GRID_POINTS, _LEAST_DENSITY = 16.0, 4096, 1e-13
 # Shares of spikes, and their size over that of the body, to begin with.
 _SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
+# As many draws of a variance show how uncertain it is.
+_FEW_DRAWS = 200
+# How far the logarithm of a size is from that of the reach beyond which spikes are told, before any
+# are: a few of them say hardly how many there are within.
+_LIKE_REACH = 0.7
 # Logarithm of a size beyond all others.
 _FAR = 300.0
 
@@ -197,7 +202,8 @@ def beyond(
         fraction, wide = expit(two[0]), np.hypot(1.0, np.exp(two[1]))
         within = 1 - fraction * 2 * norm.sf(reach / wide)
         density = fraction * np.maximum(normal(sizes / wide), 1e-300) / wide
-        return -float((samples - sizes.size) * np.log(within) + np.log(density).sum())
+        told = (samples - sizes.size) * np.log(within) + np.log(density).sum()
+        return float(((two[1] - np.log(reach)) / _LIKE_REACH) ** 2 / 2 - told)
 
     start = np.array([np.log(2 * sizes.size / samples), np.log(np.sqrt(np.mean(sizes**2)))])
     best = minimize(negative, start, method="Nelder-Mead").x
@@ -221,12 +227,20 @@ def in_units(found: Contamination, height: float) -> Contamination:
 
 
 def unseen(found: Contamination) -> float:
-    """Variance that spikes within reach of the noise add to it, in whitened units."""
+    """Variance that spikes within reach of the noise add to it, in the unit squared."""
     widest = _GRID_REACH * float(np.hypot(found.sigma, found.amplitude))
     at = np.linspace(0.0, min(found.threshold, widest), _GRID_POINTS)
     three = found.fraction, found.amplitude, found.sigma
     spikes = _densities(three, found.heavy, found.boxes, at)[1]
     return max(2 * float(np.trapezoid(spikes * (at**2 - found.sigma**2), at)), 0.0)
+
+
+def unseen_draws(found: Contamination, seed: int) -> Float[np.ndarray, " few"]:
+    """Draws of the same."""
+    few = np.random.default_rng(seed).choice(found.draws, _FEW_DRAWS)
+    return np.array(
+        [unseen(found._replace(fraction=f, amplitude=size)) for f, size, _ in few.tolist()]
+    )
 
 
 def curvature_draws(

@@ -10,7 +10,7 @@ from .._state import Finding, Investigation
 from ..spectrum._whiten import END
 from . import _discrete
 from ._alone import Others, behind_filter, clear_of_noise, read_again
-from ._contamination import Contamination, beyond, contamination, in_units, unseen
+from ._contamination import Contamination, beyond, contamination, in_units, unseen, unseen_draws
 from ._held_out import of_events, of_spikes
 from ._skewness import leans
 
@@ -108,8 +108,9 @@ def name_spikes(
         _excise(state, clear, spiky.sigma * float(np.sqrt(1 / np.mean(2 / mean))), seed)
         # Where a spike is more than one sample of the white record, its neighbours are wrong too.
         alone = np.mean(2 / mean) < _SPREAD * height_of(mean) ** 2
-        left = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2
-        wrong = left if alone else unseen(spiky)
+        wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2 if alone else 0.0
+        if not alone:
+            _count_unseen(state, in_units(spiky, height), seed)
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
     state.foreign += max(wrong, 0.0) / height**2
@@ -141,7 +142,7 @@ def name_errors(
     _take_spikes(state, spiky, others.height)
     state.gains["outliers"] = of_spikes(even, boxes, seed)
     state.leans = leans(even, spiky.fraction)
-    state.foreign += unseen(spiky) / others.height**2
+    _count_unseen(state, in_units(spiky, others.height), seed)
 
 
 def _spiky(
@@ -172,12 +173,20 @@ def name_clear_spikes(
     _take_spikes(state, spiky, height)
     state.gains["outliers"] = of_events(clear, spiky.p_value)
     if clear.mean() < _RARE:
-        wrong = unseen(spiky)
+        wrong = 0.0
+        _count_unseen(state, in_units(spiky, height), seed)
         state.values = _discrete.replaced(state.values, state.looked_at[clear], seed)
         read_again(state)
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
     state.foreign += max(wrong, 0.0) / height**2
+
+
+def _count_unseen(state: Investigation, found: Contamination, seed: int) -> None:
+    """Count spikes [u] within reach of the noise out of N, and let N be as uncertain as these."""
+    within = unseen(found)
+    state.foreign += within
+    state.unseen = unseen_draws(found, seed) - within
 
 
 def _take_spikes(state: Investigation, spiky: Contamination, height: float) -> None:
