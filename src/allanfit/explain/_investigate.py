@@ -33,7 +33,7 @@ from .strength._lasting import about_spread, loudness
 from .values._clock import fresh_values
 from .values._format import stuck
 from .values._held_out import of_events
-from .values._rounded import about_angle, about_format
+from .values._rounded import about_angle, about_format, name_fine_codes
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
 ALARM = 0.0008
@@ -119,6 +119,7 @@ def investigate(
     if about_angle(state):
         refit(state)
     _reconsider(state)
+    name_fine_codes(state)
     look_again(state)
     _leftover(state)
     if state.unexplained is not None:

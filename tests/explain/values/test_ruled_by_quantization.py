@@ -76,3 +76,11 @@ def test_steps_are_no_single_errors():
         values[at:] += 0.3
     names = {finding.name for finding in investigated(values).findings}
     assert names == {"step"}
+
+
+def test_a_knock_is_no_single_error():
+    """Its first half-cycle is one that all others contradict, but it rings on."""
+    values, time = drawn(8), np.arange(2000)
+    values[60_000:62_000] += 14 * np.exp(-time / 140) * np.sin(2 * np.pi * 0.13 * time)
+    names = {finding.name for finding in investigated(values).findings}
+    assert names == {"disturbance"}

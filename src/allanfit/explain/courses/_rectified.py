@@ -21,7 +21,9 @@ def steps_while_loud(state: Investigation) -> bool:
     """
     changing, mine = state.modulation, [c for c in state.courses if c.name in (_NAME, "step")]
     steps = [course for course in mine if course.name == "step"]
-    if changing is None or changing.odds is None or len(steps) < 2:
+    if changing is None or changing.odds is None or changing.strength is not None:
+        return False
+    if len(steps) < 2:
         return False
     odds = np.zeros(state.values.size)
     odds[state.looked_at] = changing.odds

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.fft import irfft
 from scipy.ndimage import maximum_filter1d
 from scipy.sparse.linalg import LinearOperator, cg
-from scipy.stats import binom, norm
+from scipy.stats import binom, chi2, norm
 
 from .._refit import rebin, refit
 from .._state import Investigation
@@ -36,8 +36,9 @@ _PASSES, _ROUNDS = 6, 30
 _BESIDE = 4
 # Solved so exactly, errors of what others expect are far below the noise.
 _EXACT, _MOST_STEPS = 1e-5, 200
-# The chance of so many near together from which on they are no single samples.
-_TOGETHER = 1e-6
+# So many times as far from one another as they are told apart errors are near together still, and
+# the chance of so many near together from which on they are no single samples.
+_CLOSE, _TOGETHER = 4, 1e-6
 
 
 class Others:
@@ -91,6 +92,24 @@ class Others:
                 for piece, weights in zip(np.split(values, begins), self._weights, strict=True)
             ]
         )
+
+    def ring_on(
+        self, values: Float[np.ndarray, " looked_at"], at: Int[np.ndarray, " at"]
+    ) -> Bool[np.ndarray, " at"]:
+        """Whether `values` without the errors `at` some samples are loud behind these, as a knock.
+
+        How loud they are by chance is known for normal noise.
+        """
+        begins = np.cumsum(self._sizes)[:-1]
+        white = np.concatenate(
+            [
+                shaped(piece, np.sqrt(weights))
+                for piece, weights in zip(np.split(values, begins), self._weights, strict=True)
+            ]
+        )
+        energy = np.concatenate([[0.0], np.cumsum(white**2)])
+        last = np.minimum(at + _CLOSE * self.near, white.size)
+        return chi2.logsf(energy[last] - energy[at], last - at) < np.log(_TOGETHER)
 
     def expect(
         self, values: Float[np.ndarray, " looked_at"], wrong: Int[np.ndarray, " wrong"]
@@ -206,6 +225,7 @@ def _stand_out(
     at = np.flatnonzero(wrong & ~known)
     errors = calm[at] - filled[at]
     gain = others.steps_gain(filled, at, errors)
+    refused[at[others.ring_on(filled, at)]] = True
     # One by one where it is clear, and else all together.
     clear = gain > reach**2
     refused[at[clear | (np.sum(gain[~clear]) > 0)]] = True
@@ -230,6 +250,7 @@ def _together(wrong: Bool[np.ndarray, " looked_at"], reach: int) -> Bool[np.ndar
     """Those that are close together, if more are than would be by chance: a knock."""
     at = np.flatnonzero(wrong)
     gaps = np.concatenate([[np.inf], np.diff(at), [np.inf]])
+    reach *= _CLOSE
     near = np.minimum(gaps[:-1], gaps[1:]) <= reach
     chance = 1 - (1 - at.size / wrong.size) ** (2 * reach)
     together = np.zeros(wrong.size, bool)

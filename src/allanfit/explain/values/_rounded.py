@@ -28,9 +28,9 @@ def about_format(state: Investigation) -> None:
         state.name_once(Finding("sample_hold", made.repeat.log_p, 0.0, detail=made.repeat))
         state.data = state.data._replace(repeat=made.repeat.samples)
         rebin(state)
-    if made.coarse or _beside_n(state):
-        state.name_once(Finding("output_rounding", -1e3, 0.0))
-        state.gains["output_rounding"] = of_codes(used, made.width)
+    if made.coarse:
+        _name_codes(state)
+    name_fine_codes(state)
     if made.rails and state.finding("saturation") is None:
         state.name_once(Finding("saturation", -1e3, 0.0))
         state.gains["saturation"] = of_rails(used, made.rails)
@@ -40,6 +40,18 @@ def about_format(state: Investigation) -> None:
         state.rounding = rounding(used, made.width, made.sigma)
     about_angle(state)
     refit(state)
+
+
+def name_fine_codes(state: Investigation) -> None:
+    """Name codes that are fine beside the samples, but not beside N, once N is known."""
+    if state.finding("output_rounding") is None and _beside_n(state):
+        _name_codes(state)
+
+
+def _name_codes(state: Investigation) -> None:
+    used = usable(state.values, state.pieces)
+    state.name_once(Finding("output_rounding", -1e3, 0.0))
+    state.gains["output_rounding"] = of_codes(used, state.format.width)
 
 
 def _beside_n(state: Investigation) -> bool:
