@@ -73,3 +73,13 @@ def test_the_frequency_of_a_slow_oscillation_is_known_as_well_as_noise_allows(pe
     bound = np.sqrt(6 / (np.pi**2 * amplitude**2 * samples**3))
     assert course.shape["deviation"] == pytest.approx(bound, rel=0.1)
     assert abs(course.shape["frequency"] - frequency) < 3 * bound
+
+
+def test_the_first_error_of_an_angle_is_no_warm_up_and_no_step():
+    """Of four deviations, where quantization is sixty times N: a rate that is over at once."""
+    rng = np.random.default_rng(0)
+    angle = rng.standard_normal(120_001)
+    angle[0] = 4.0
+    x = rng.standard_normal(120_000) + 60 * np.diff(angle)
+    state = investigate(x, ((0, x.size),), "point", np.array([3600.0, 1.0, 0.0, 0.0]))
+    assert not state.findings

@@ -26,6 +26,8 @@ _WORTH = float(np.log(0.3))
 # Slower than this many periods in the record, an oscillation is no line yet.
 _FEWEST_PERIODS, _TOO_FEW_PERIODS = 1.5, 1.0
 _MOST_PERIODS = 160
+# White noise of so many times Q^2/N^2 samples is stronger than one error of the angle.
+_FIRST_ERROR = 4.0
 # A sensor follows its surroundings late by such parts of the record, or its thermometer does.
 _LAGS = (0.0, 0.003, 0.01, 0.03, 0.1, -0.003, -0.01, -0.03, -0.1)
 
@@ -54,11 +56,13 @@ def propose(
     found: list[Course] = []
     # How far a scan goes is a matter of the noise that is believed in.
     paths: dict[str, float] = {}
+    # The first and the last error of the angle are rates of which no spectrum knows, soon over.
+    brief = _FIRST_ERROR * float(np.exp(np.clip(model.theta[0] - model.theta[1], -50, 50)))
     for variance in (flat, ordinate_variance(spectrum, calm, data)):
         scan = slow.scan(spectrum, variance)
         found += _oscillations(scan, longest, samples)
-        found += _warm_ups(scan, samples, paths)
-        found += _steps(fine.scan(spectrum, variance), samples, paths)
+        found += _warm_ups(scan, samples, paths, brief)
+        found += _steps(fine.scan(spectrum, variance), samples, paths, brief)
     for name, columns in drivers.items():
         found += _driven(name, columns, samples)
     return found
@@ -240,10 +244,12 @@ def _slow_waves(count: int, part: float, waves: int) -> Float[np.ndarray, "waves
     return np.ascontiguousarray(found.T).reshape(len(periods), 2, -1)
 
 
-def _warm_ups(scan: _Scan, samples: int, paths: dict[str, float]) -> list[Course]:
+def _warm_ups(scan: _Scan, samples: int, paths: dict[str, float], brief: float) -> list[Course]:
+    """With constants from a part of the record on, and longer than what is `brief`."""
     time = scan.blocks.time
     length = float(time[-1])
-    constants = np.geomspace(max(length / 300, 4 * scan.blocks.size), length / 1.5, 24)
+    shortest = min(max(length / 300, 4 * scan.blocks.size, brief), length / 8)
+    constants = np.geomspace(shortest, length / 1.5, 24)
     ways = np.stack([scan.directions(np.exp(-time / c)[:, None])[:, 0] for c in constants])
     path = paths.setdefault("warm_up", _path(np.sum(ways[1:] * ways[:-1], axis=1)))
     gains = (ways @ scan.white) ** 2
@@ -253,10 +259,11 @@ def _warm_ups(scan: _Scan, samples: int, paths: dict[str, float]) -> list[Course
     ]
 
 
-def _steps(scan: _Scan, samples: int, paths: dict[str, float]) -> list[Course]:
+def _steps(scan: _Scan, samples: int, paths: dict[str, float], brief: float) -> list[Course]:
+    """No nearer to the ends of a stretch than what is `brief`."""
     every, times, path = [np.zeros(0)], [np.zeros(0)], 0.0
     for stretch, start in zip(scan.stretches, scan.blocks.starts, strict=True):
-        gains, length = _step_gains(stretch)
+        gains, length = _step_gains(stretch, brief / scan.blocks.size)
         every.append(gains)
         within = np.arange(1, gains.size + 1) / (gains.size + 1)
         times.append(within * (stretch.count * scan.blocks.size) + start)
@@ -269,8 +276,11 @@ def _steps(scan: _Scan, samples: int, paths: dict[str, float]) -> list[Course]:
     ]
 
 
-def _step_gains(stretch: _Stretch) -> tuple[Float[np.ndarray, " places"], float]:
-    """What steps gain at evenly spaced places within a stretch, and the length of their path."""
+def _step_gains(stretch: _Stretch, brief: float) -> tuple[Float[np.ndarray, " places"], float]:
+    """What steps gain at evenly spaced places within a stretch, and the length of their path.
+
+    None nearer to its ends than `brief` blocks.
+    """
     # The cosine coefficients of a step at g blocks are a sine of g: a sine transform has all
     # positions at once. Where a random walk is strong, a step is known to a few samples, and a
     # scan must be as fine.
@@ -288,8 +298,8 @@ def _step_gains(stretch: _Stretch) -> tuple[Float[np.ndarray, " places"], float]
     beside = _products(unit**2 / stretch.variance, places, 1)[:-1]
     beside -= across[1:] * across[:-1] / norm
     path = _path(beside / np.sqrt(bottom[1:] * bottom[:-1]))
-    # A step at the very ends is an outlier or a ramp.
-    ends = -(-places // 256)
+    # A step at the very ends is an outlier or a ramp, or an error of the angle.
+    ends = int(np.ceil(places * min(max(1 / 256, brief / stretch.count), 1 / 8)))
     gains[:ends] = gains[-ends:] = 0.0
     return gains, path
 
