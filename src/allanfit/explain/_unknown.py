@@ -44,6 +44,8 @@ _WITHIN = 0.25
 # A waveform is looked for where so many of its harmonics are lines, whose places are known to such
 # a part of 1/T, by the Cramér-Rao bound of the weakest that is found.
 _HARMONICS, _LINE_ERROR = 4, 0.1
+# What is slower than so many periods in the record is no waveform, of which each phase is averaged.
+_OFTEN = 100
 # Where most of what is white is [cycles per sample].
 _WHITE = 0.25
 
@@ -199,7 +201,7 @@ def _repeated(
         family.fundamental for family in families(lines, 0.5) if len(family.lines) >= _HARMONICS
     ]
     swing = swinging(np.clip(broad / broad.std(), -PULLED_IN, PULLED_IN))
-    if swing is not None and swing[1] < np.log(state.alarm):
+    if swing is not None and swing[0] < samples / _OFTEN and swing[1] < np.log(state.alarm):
         sought.append(1 / swing[0])
     for frequency in sought:
         found = waveform(white, frequency)
