@@ -229,18 +229,12 @@ def _reconsider(state: Investigation) -> None:
 
 def _reconsider_courses(state: Investigation) -> None:
     """Take back courses that others explain better: a warm-up looks like temperature at first."""
-    for course in [each for each in state.courses if each.name != "sinusoid"]:
+    found_by = state.findings_of([course.name for course in state.courses])
+    for course, found in list(zip(state.courses, found_by, strict=True)):
+        if course.name == "sinusoid":
+            continue
         if len(state.courses) == 1:
             return
-        found = next(
-            finding
-            for each, finding in zip(
-                state.courses,
-                state.findings_of([each.name for each in state.courses]),
-                strict=True,
-            )
-            if each is course
-        )
         # Of two steps that are no chance together, each may be one as seldom as this.
         two = found is not None and found.detail == TWO
         most = np.log(state.alarm) / (2 if two else 1)

@@ -85,13 +85,15 @@ class Others:
 
         From the frequency `slowest` on [cycles per sample].
         """
-        begins = np.cumsum(self._sizes)[:-1]
-        return np.concatenate(
-            [
-                shaped(piece, np.where(mode_frequency(piece.size) < slowest, 0.0, weights))
-                for piece, weights in zip(np.split(values, begins), self._weights, strict=True)
-            ]
-        )
+        fast = [np.where(mode_frequency(w.size) < slowest, 0.0, w) for w in self._weights]
+        return self._shaped(values, fast)
+
+    def _shaped(
+        self, values: Float[np.ndarray, " looked_at"], gains: list[Float[np.ndarray, " _"]]
+    ) -> Float[np.ndarray, " looked_at"]:
+        """The modes of each stretch times `gains` of its own."""
+        pieces = np.split(values, np.cumsum(self._sizes)[:-1])
+        return np.concatenate([shaped(*each) for each in zip(pieces, gains, strict=True)])
 
     def ring_on(
         self, values: Float[np.ndarray, " looked_at"], at: Int[np.ndarray, " at"]
@@ -100,13 +102,7 @@ class Others:
 
         How loud they are by chance is known for normal noise.
         """
-        begins = np.cumsum(self._sizes)[:-1]
-        white = np.concatenate(
-            [
-                shaped(piece, np.sqrt(weights))
-                for piece, weights in zip(np.split(values, begins), self._weights, strict=True)
-            ]
-        )
+        white = self._shaped(values, [np.sqrt(weights) for weights in self._weights])
         energy = np.concatenate([[0.0], np.cumsum(white**2)])
         last = np.minimum(at + _CLOSE * self.near, white.size)
         return chi2.logsf(energy[last] - energy[at], last - at) < np.log(_TOGETHER)
@@ -180,18 +176,20 @@ def behind_filter(
     trial = replace(state)
     calm = state.calm[state.looked_at]
     reach = clear_of_noise(state, calm.size)
-    wrong, refused = known.copy(), _no_witness(state, Others(trial).near // _BESIDE)
+    others = Others(trial)
+    wrong, refused = known.copy(), _no_witness(state, others.near // _BESIDE)
     for _ in range(_PASSES):
-        before, others = wrong, Others(trial)
+        before = wrong
         wrong = _stand_out(others, calm, known, wrong, refused, reach)
         if wrong.any():
             trial.values = others.filled(state, wrong)
             read_again(trial)
             refit(trial)
+            others = Others(trial)
         # What was put in place of the last ones knows of them.
         if np.array_equal(wrong, before):
             break
-    return None if Others(trial).silent else (wrong, trial.values)
+    return None if others.silent else (wrong, trial.values)
 
 
 def clear_of_noise(state: Investigation, samples: int) -> float:

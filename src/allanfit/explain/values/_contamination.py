@@ -12,7 +12,7 @@ from jaxtyping import Float
 from scipy.fft import irfft, rfftfreq
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit
-from scipy.stats import binom, chi2, norm
+from scipy.stats import chi2, norm
 
 # Uniform parts whose fourth powers add up to less than that of this change no tail.
 _FLAT = 0.3
@@ -194,8 +194,7 @@ def beyond(
     """Spikes of which only those beyond some reach are told from noise, by maximum likelihood.
 
     How many there are, and how far, tells of those within. `sizes` and `reach` are in standard
-    deviations of the noise, and so is what is found, but for gain and chance: these are of so many
-    among `samples` by chance.
+    deviations of the noise, and so is what is found. Its gain and chance the caller has to tell.
     """
 
     def negative(two: Float[np.ndarray, " two"]) -> float:
@@ -209,10 +208,8 @@ def beyond(
     best = minimize(negative, start, method="Nelder-Mead").x
     drawn = curvature_draws(negative, best, seed)
     draws = np.column_stack([expit(drawn[:, 0]), np.exp(drawn[:, 1]), np.ones(len(drawn))])
-    log_p = float(binom.logsf(sizes.size - 1, samples, 2 * norm.sf(reach)))
-    gain, p_value = max(-2 * log_p, 0.0), float(np.exp(log_p))
     fraction, size = float(expit(best[0])), float(np.exp(best[1]))
-    return Contamination(fraction, size, 1.0, False, (), reach, draws, gain, p_value)
+    return Contamination(fraction, size, 1.0, False, (), reach, draws, 0.0, 1.0)
 
 
 def in_units(found: Contamination, height: float) -> Contamination:

@@ -110,7 +110,7 @@ def name_spikes(
         alone = np.mean(2 / mean) < _SPREAD * height_of(mean) ** 2
         wrong = float(np.mean(even[~clear] ** 2)) - spiky.sigma**2 if alone else 0.0
         if not alone:
-            _count_unseen(state, in_units(spiky, height), seed)
+            _count_unseen(state, seed)
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
     state.foreign += max(wrong, 0.0) / height**2
@@ -142,7 +142,7 @@ def name_errors(
     _take_spikes(state, spiky, others.height)
     state.gains["outliers"] = of_spikes(even, boxes, seed)
     state.leans = leans(even, spiky.fraction)
-    _count_unseen(state, in_units(spiky, others.height), seed)
+    _count_unseen(state, seed)
 
 
 def _spiky(
@@ -173,17 +173,18 @@ def name_clear_spikes(
     _take_spikes(state, spiky, height)
     state.gains["outliers"] = of_events(clear, spiky.p_value)
     if clear.mean() < _RARE:
-        wrong = 0.0
-        _count_unseen(state, in_units(spiky, height), seed)
+        _count_unseen(state, seed)
         state.values = _discrete.replaced(state.values, state.looked_at[clear], seed)
         read_again(state)
     else:
         wrong = float(np.var(even)) - spiky.sigma**2
-    state.foreign += max(wrong, 0.0) / height**2
+        state.foreign += max(wrong, 0.0) / height**2
 
 
-def _count_unseen(state: Investigation, found: Contamination, seed: int) -> None:
+def _count_unseen(state: Investigation, seed: int) -> None:
     """Count spikes [u] within reach of the noise out of N, and let N be as uncertain as these."""
+    found = state.contamination
+    assert found is not None
     within = unseen(found)
     state.foreign += within
     state.unseen = unseen_draws(found, seed) - within
