@@ -47,12 +47,13 @@ def climb(
     starts: Starts,
     kinds: Kinds,
     data: Data,
-    least_gain: float = LEAST_GAIN,
+    enough: tuple[float, float] = (LEAST_GAIN, 0.0),
     steps: int = MOST_STEPS,
 ) -> tuple[Starts, Float[np.ndarray, " starts"]]:
-    """Where each start leads, until a step gains less in deviance, and the deviance there.
+    """Where each start leads until a step gains little enough in deviance, and the deviance there.
 
-    After so many `steps` at most.
+    `enough` is such a gain, and the same as a part of the deviance beyond one a bin. After so many
+    `steps` at most.
     """
     moving, held = active(kinds, data.terms), held_columns(data)
 
@@ -62,7 +63,7 @@ def climb(
     def slopes(theta):
         return _mean(theta, kinds, data, held, slopes=True)
 
-    return _ascend(np.array(starts), moving, mean, slopes, data, least_gain, steps=steps)
+    return _ascend(np.array(starts), moving, mean, slopes, data, enough, steps=steps)
 
 
 def rescale(
@@ -87,9 +88,8 @@ def rescale(
         total = share.sum(axis=1) + alien
         return total, np.moveaxis(share / total[:, None], 1, 2)
 
-    reached, value = _ascend(
-        np.array(theta[sizes][None]), moving, lambda logs: slopes(logs)[0], slopes, data, LEAST_GAIN
-    )
+    logs = np.array(theta[sizes][None])
+    reached, value = _ascend(logs, moving, lambda logs: slopes(logs)[0], slopes, data)
     best = np.array(theta)
     best[sizes] = reached[0]
     return best, float(value[0])
@@ -282,12 +282,14 @@ def _ascend(
     mean,
     slopes,
     data: Data,
-    least_gain: float,
+    enough: tuple[float, float] = (LEAST_GAIN, 0.0),
     damping=None,
     steps: int = MOST_STEPS,
 ):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
+    least_gain, least_share = enough
     density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
+    usual = np.count_nonzero(data.bins.used)
     value = deviances(mean(theta), data)
     damping = np.full(len(theta), 1e-2) if damping is None else damping
     still = np.ones(len(theta), bool)
@@ -296,7 +298,7 @@ def _ascend(
         if len(theta) > 1 and still.sum() == 1:
             # The last one on its way goes on alone: all at once cost as much with one as with all.
             theta[still], value[still] = _ascend(
-                theta[still], moving, mean, slopes, data, least_gain, damping[still], steps - done
+                theta[still], moving, mean, slopes, data, enough, damping[still], steps - done
             )
             break
         total, slope = slopes(theta)
@@ -317,10 +319,11 @@ def _ascend(
             better = (reached < value) & ~moved & still
             with np.errstate(invalid="ignore"):
                 gained = np.where(better, value - reached, 0.0)
+                least = np.maximum(least_gain, least_share * (reached - usual))
             theta = np.where(better[:, None], tried, theta)
             value = np.where(better, reached, value)
             damping = np.where(better, np.clip(factor * damping, 1e-9, 1e9), damping)
-            still = still & ~(better & (gained < least_gain))
+            still = still & ~(better & (gained < least))
             moved |= better
             if np.all(moved | ~still):
                 break

@@ -36,8 +36,9 @@ from ._structure import (
 )
 
 _MOST_ADDED = 3
-# Less than this in a step, and another start of the same name is ahead or soon will be.
-_ROUGH_GAIN = 0.02
+# Less than this in a step, and another start of the same name is ahead or soon will be; so it is
+# with such a part of what a poor model leaves beyond one a bin.
+_ROUGH_GAIN, _ROUGH_SHARE = 0.02, 1e-3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
 # asked for. A bump begins at more places than any other effect.
 _KEPT, _TRIAL = 4, 9
@@ -88,18 +89,21 @@ def five_terms(power: np.ndarray, data: Data) -> Model:
 def best(
     starts: list[tuple[Kinds, np.ndarray]],
     data: Data,
-    least_gain: float = LEAST_GAIN,
     steps: int = MOST_STEPS,
+    *,
+    rough: bool = False,
 ) -> list[Model]:
     """Where each start leads in so many steps; those of one kind climb together.
 
-    Two of them all the way, since more wait for the last, and more on the first few steps.
+    Two of them all the way, since more wait for the last, and more on the first few steps; `rough`
+    is near enough to say which start leads furthest.
     """
     together = TOGETHER if steps == MOST_STEPS else ON_TRIAL
     # A term at zero may still be wanted by finer bins or beside other effects, but a power whose
     # logarithm runs away never returns: it starts where it hardly shows.
     level = np.median(data.bins.density[data.bins.used])
     least = np.log(_FAINT * level / np.asarray(data.bins.expected)[data.bins.used].max(axis=0))
+    enough = (_ROUGH_GAIN, _ROUGH_SHARE) if rough else (LEAST_GAIN, 0.0)
     alike: dict[Kinds, list[int]] = {}
     for place, (kinds, _) in enumerate(starts):
         alike.setdefault(kinds, []).append(place)
@@ -109,7 +113,7 @@ def best(
             group = places[begin : begin + together]
             thetas = np.stack([starts[place][1] for place in group])
             thetas[:, :TERMS] = np.maximum(thetas[:, :TERMS], least)
-            reached = climb(thetas, kinds, data, least_gain, steps)
+            reached = climb(thetas, kinds, data, enough, steps)
             for place, theta, deviance in zip(group, *reached, strict=True):
                 value = float(deviance) if np.isfinite(deviance) else np.inf
                 found[place] = Model(kinds, theta, value)
@@ -184,7 +188,7 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
 
 
 def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
-    found = best([(kinds, theta) for _, kinds, theta in starts], data, _ROUGH_GAIN)
+    found = best([(kinds, theta) for _, kinds, theta in starts], data, rough=True)
     leading: dict[str, Model] = {}
     for (name, _, _), reached in zip(starts, found, strict=True):
         if name not in leading or _cost(reached, data) < _cost(leading[name], data):
@@ -199,7 +203,7 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
 
 def _promising(starts: list[Start], data: Data, kept: int) -> list[Start]:
     """Those of each name and kind that are ahead after a few steps, where these have led."""
-    found = best([(kinds, theta) for _, kinds, theta in starts], data, _ROUGH_GAIN, _TRIAL)
+    found = best([(kinds, theta) for _, kinds, theta in starts], data, _TRIAL, rough=True)
     alike: dict[tuple[str, Kinds], list[Model]] = {}
     for (name, kinds, _), reached in zip(starts, found, strict=True):
         alike.setdefault((name, kinds), []).append(reached)
