@@ -1,12 +1,18 @@
 """What every test shares."""
 
 import os
+import sys
 from pathlib import Path
 
 import jax
 import pytest
 
-from allanfit.compilation import shorten_compilation
+# What one process compiles of the package the others read: those that test, and the commands and
+# workers that tests start. Said before the package is imported.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+from allanfit.compilation import shorten_compilation  # noqa: E402
 
 # Float64 throughout, as on the command line; tests of float32 turn it off for themselves.
 jax.config.update("jax_enable_x64", True)

@@ -14,7 +14,7 @@ from typing import Any
 import beartype
 
 #: So many calls of each function.
-CALLS = 64
+CALLS = 16
 
 # Of each stub by which jaxtyping has arguments checked, and of each by which results are; a local
 # function is another one each time, and has the same name and annotations.
@@ -26,14 +26,19 @@ def checked(function: Callable[..., Any]) -> Callable[..., Any]:
     stub = (function.__module__, function.__qualname__, tuple(function.__annotations__))
     if _seen[stub] >= CALLS:
         return function
-    check = beartype.beartype(function)
+    check = None
 
     @wraps(function)
     def counted(*args, **kwargs):
+        # Made when it is asked for: no process calls most of the package.
+        nonlocal check
         _seen[stub] += 1
         if _seen[stub] == CALLS:
             _leave_unchecked(function.__module__, function.__qualname__)
-        return (check if _seen[stub] <= CALLS else function)(*args, **kwargs)
+        if _seen[stub] > CALLS:
+            return function(*args, **kwargs)
+        check = check or beartype.beartype(function)
+        return check(*args, **kwargs)
 
     return counted
 

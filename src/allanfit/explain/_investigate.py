@@ -43,6 +43,7 @@ _MOST_ROUNDS = 10
 _MOST_CUTS = 3
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
+_FEW_DRAWS = 400
 # Of a record that stands at its rails for long, the least part beside that is looked into.
 _FREE = 0.5
 # A bump within such a part of a peak's width is about it.
@@ -91,10 +92,7 @@ def investigate(
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
     about_format(state)
     if lost > 0:
-        # Errors of an angle cancel from sample to sample, but not across one that was lost.
-        share = len(losses) / values.size if losses else lost
-        state.foreign += 2 * share * float(np.exp(state.model.theta[0]))
-        refit(state)
+        _count_losses_out(state, len(losses) or max(round(lost * values.size), 1), seed)
     times = stuck(values, pieces, state.format)
     free = cut_out(pieces, times) if times else pieces
     if sum(b - a for a, b in free) < _FREE * sum(b - a for a, b in pieces):
@@ -126,6 +124,15 @@ def investigate(
         _reconsider_lines(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
+
+
+def _count_losses_out(state: Investigation, losses: int, seed: int) -> None:
+    """Errors of an angle cancel from sample to sample, but not across one that was lost."""
+    variance = 2 * losses / state.values.size * float(np.exp(state.model.theta[0]))
+    # Of so many errors at random.
+    draws = np.random.default_rng(seed).chisquare(losses, _FEW_DRAWS) / losses
+    state.count_out(variance, variance * draws)
+    refit(state)
 
 
 def _without_knocks(

@@ -131,7 +131,7 @@ class Investigation:
     #: alone, and of codes.
     foreign: float = 0.0
     loud_variance: float = 0.0
-    #: Draws of the variance of spikes within reach of the noise [u^2], less what `foreign` has.
+    #: Draws of what part of that is known by its statistics alone [u^2], less what `foreign` has.
     unseen: Float[np.ndarray, " draws"] | None = None
     rounding: Rounding = UNROUNDED
     #: The probability that codes are those of the rate, and not of an angle.
@@ -186,6 +186,12 @@ class Investigation:
         if self.modulation is not None:
             whole[self.looked_at] = self.modulation.deviation()
         return whole
+
+    def count_out(self, variance: float, draws: Float[np.ndarray, " draws"]) -> None:
+        """White variance that does not belong to N, and draws of it: N is as uncertain as these."""
+        self.foreign += variance
+        others = 0.0 if self.unseen is None else np.resize(self.unseen, draws.size)
+        self.unseen = draws - variance + others
 
     def flags(self, looked_at: Bool[np.ndarray, " looked_at"]) -> Bool[np.ndarray, " samples"]:
         """What is true of samples that were looked at, of all samples."""

@@ -22,8 +22,9 @@ from ...physics import Sampling
 from .._intervals import runs
 
 BINS_PER_DECADE = 48
-# Bins of no weight fill a spectrum up to a multiple of this: one compilation serves most records.
-_PADDING = 128
+# Bins of no weight fill a spectrum up to so many, or to a multiple of the second: one compilation
+# serves most records, and short ones too.
+_FEWEST, _PADDING = 256, 128
 # Distances from the Nyquist frequency [cycles per sample] between which bins are finer.
 _NEAR_NYQUIST = (0.05, 5e-4)
 _BINS_NEAR_NYQUIST = 24
@@ -237,7 +238,7 @@ def binned(
     high = np.minimum(frequency[starts + count - 1] + half, 0.5)
     density = mean(spectrum.amplitude**2)
     expected = np.stack([mean(column) for column in spectrum.expected.T], axis=1)
-    padding = -density.size % _PADDING
+    padding = max(_FEWEST - density.size, -density.size % _PADDING)
     nodes = low[:, None] + (high - low)[:, None] * _NODES
     return Bins(
         np.pad(density, (0, padding), constant_values=1.0),

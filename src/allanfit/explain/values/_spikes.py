@@ -185,9 +185,7 @@ def _count_unseen(state: Investigation, seed: int) -> None:
     """Count spikes [u] within reach of the noise out of N, and let N be as uncertain as these."""
     found = state.contamination
     assert found is not None
-    within = unseen(found)
-    state.foreign += within
-    state.unseen = unseen_draws(found, seed) - within
+    state.count_out(unseen(found), unseen_draws(found, seed))
 
 
 def _take_spikes(state: Investigation, spiky: Contamination, height: float) -> None:
