@@ -33,6 +33,7 @@ from .strength._lasting import about_spread, loudness
 from .values._clock import fresh_values
 from .values._format import stuck
 from .values._held_out import of_events
+from .values._losses import count_losses_out
 from .values._rounded import about_angle, about_format, name_fine_codes
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
@@ -43,7 +44,6 @@ _MOST_ROUNDS = 10
 _MOST_CUTS = 3
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
-_FEW_DRAWS = 400
 # Of a record that stands at its rails for long, the least part beside that is looked into.
 _FREE = 0.5
 # A bump within such a part of a peak's width is about it.
@@ -92,7 +92,7 @@ def investigate(
         state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
     about_format(state)
     if lost > 0:
-        _count_losses_out(state, len(losses) or max(round(lost * values.size), 1), seed)
+        count_losses_out(state, len(losses) or max(round(lost * values.size), 1), seed)
     times = stuck(values, pieces, state.format)
     free = cut_out(pieces, times) if times else pieces
     if sum(b - a for a, b in free) < _FREE * sum(b - a for a, b in pieces):
@@ -124,15 +124,6 @@ def investigate(
         _reconsider_lines(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
-
-
-def _count_losses_out(state: Investigation, losses: int, seed: int) -> None:
-    """Errors of an angle cancel from sample to sample, but not across one that was lost."""
-    variance = 2 * losses / state.values.size * float(np.exp(state.model.theta[0]))
-    # Of so many errors at random.
-    draws = np.random.default_rng(seed).chisquare(losses, _FEW_DRAWS) / losses
-    state.count_out(variance, variance * draws)
-    refit(state)
 
 
 def _without_knocks(
@@ -193,7 +184,7 @@ def _begin_again(
             later.findings.append(replace(found, detail=later.modulation))
             later.gains[found.name] = state.gains[found.name]
     later.stride, later.at = state.stride, state.at
-    later.breaks, later.place = state.breaks, state.place
+    later.breaks, later.place, later.bridged = state.breaks, state.place, state.bridged
     # Spikes are no longer among the values.
     later.contamination, later.unseen = state.contamination, state.unseen
     later.foreign = state.foreign - state.loud_variance

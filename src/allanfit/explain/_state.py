@@ -109,6 +109,8 @@ class Investigation:
     breaks: tuple[int, ...]
     #: When each of `values` was taken, with all that were lost between them but for the breaks.
     place: Float[np.ndarray, " samples"]
+    #: Whether what was lost between them is in the values after.
+    bridged: bool = False
     courses: list[Course] = field(default_factory=list)
     #: The amplitudes of the ordinates of each course, and the last sums over bins of `summed`.
     moved: list[Moved] = field(default_factory=list)

@@ -44,9 +44,10 @@ _CLOSE, _TOGETHER = 4, 1e-6
 class Others:
     """What all other samples say of each, by the spectrum that is left."""
 
-    def __init__(self, state: Investigation) -> None:
+    def __init__(self, state: Investigation, sizes: list[int] | None = None) -> None:
+        """By stretches of such `sizes`, or as long as they are."""
         expected = level(state.left, state.variance)
-        self._sizes = [stop - start for start, stop in state.long_pieces]
+        self._sizes = sizes or [stop - start for start, stop in state.long_pieces]
         self._weights = [precision(size, state.left, expected) for size in self._sizes]
         every = np.concatenate(self._weights)
         #: How tall an error of one unit is over what they leave open [1/u].

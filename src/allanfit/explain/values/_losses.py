@@ -1,17 +1,93 @@
-"""What samples that were lost on the way do to a record made white."""
+"""What samples that were lost on the way do to the others, and to a record made white."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.fft import irfft
 from scipy.linalg import toeplitz
+from scipy.ndimage import uniform_filter1d
 
+from .._refit import refit
 from .._state import Investigation
 from ..spectrum._whiten import level
+from ._alone import Others, read_again
 
 # Samples on either side of a loss that may hear of it, and a kernel long enough for them.
 _REACH, _KERNEL = 256, 4096
 # Less of a variance is no matter.
 _HEARD = 0.05
+# N is too large at first, and what was lost is known the better the smaller it is.
+_PASSES = 5
+_DRAWS = 400
+
+
+def count_losses_out(state: Investigation, losses: int, seed: int) -> None:
+    """Let errors of the angle that do not cancel across losses be no noise of the rate.
+
+    They cancel from sample to sample. Where it is known what was lost when, it is found from all
+    others and goes into the next sample, as if none had been lost.
+    """
+    rng = np.random.default_rng(seed)
+    square = float(np.exp(state.model.theta[0]))
+    added = 2 * losses / state.values.size * square
+    most = float(np.max(np.diff(state.place), initial=1.0)) - 1
+    heard = added > _HEARD * float(np.exp(state.model.theta[1]))
+    state.bridged = heard and 0 < most < _REACH and state.format.normal
+    if state.bridged:
+        added = _bridge(state, rng)
+    # Of so many errors at random.
+    draws = added * rng.chisquare(losses, _DRAWS) / losses
+    if state.bridged:
+        state.count_out(0.0, draws - added)
+    else:
+        state.count_out(added, draws)
+    refit(state)
+
+
+def _bridge(state: Investigation, rng: np.random.Generator) -> float:
+    """Put what was lost into the next samples, and say how uncertain that is, a sample.
+
+    With errors of their own, as large as it is uncertain: else N would lack them.
+    """
+    recorded, size = state.values, state.looked_at.size
+    in_time, lost, after = [], [], []
+    for start, stop in state.long_pieces:
+        at = (state.place[start:stop] - state.place[start]).astype(int)
+        gone = np.ones(at[-1] + 1, bool)
+        gone[at] = False
+        whole = np.zeros(gone.size)
+        whole[at] = recorded[start:stop]
+        in_time.append(whole)
+        lost.append(gone)
+        after.append(start + np.searchsorted(at, np.flatnonzero(gone)))
+    sizes = [each.size for each in in_time]
+    whole, wrong = np.concatenate(in_time), np.flatnonzero(np.concatenate(lost))
+    following, loss = np.unique(np.concatenate(after), return_inverse=True)
+    counts = np.bincount(loss)
+    # The next sample has the bias already.
+    bias = counts * uniform_filter1d(recorded, 2 * _REACH + 1)[following]
+    left = np.zeros(counts.size)
+    for _ in range(_PASSES):
+        sums = np.bincount(loss, Others(state, sizes).expect(whole, wrong))
+        left = _left_open(state, counts)
+        state.values = recorded.copy()
+        state.values[following] += sums - bias + np.sqrt(left) * rng.standard_normal(counts.size)
+        read_again(state)
+        refit(state)
+    return float(np.sum(left)) / size
+
+
+def _left_open(
+    state: Investigation, counts: Int[np.ndarray, " losses"]
+) -> Float[np.ndarray, " losses"]:
+    """Variance of the sum of so many samples in a row, given all others."""
+    frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
+    density = np.interp(frequency, state.left.frequency, level(state.left, state.variance) / 2)
+    inverse = np.asarray(irfft(1 / density, _KERNEL))
+    of = {
+        count: float(np.sum(np.linalg.inv(toeplitz(inverse[:count]))))
+        for count in map(int, np.unique(counts))
+    }
+    return np.array([of[int(count)] for count in counts])
 
 
 def beside_losses(state: Investigation) -> Float[np.ndarray, " looked_at"]:
@@ -23,7 +99,7 @@ def beside_losses(state: Investigation) -> Float[np.ndarray, " looked_at"]:
     variance = np.ones(state.values.size)
     lost = np.diff(state.place, prepend=state.place[0] - 1) - 1
     after = np.flatnonzero(lost > 0)
-    if not after.size:
+    if state.bridged or not after.size:
         return variance[state.looked_at]
     frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
     density = np.interp(frequency, state.left.frequency, level(state.left, state.variance) / 2)
