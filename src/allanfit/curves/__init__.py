@@ -12,6 +12,8 @@ from ._design import Design as Design
 from ._design import design as design
 from ._design import mode_variances as mode_variances
 from ._design import unit_scale as unit_scale
+from ._ends import ends_matter as ends_matter
+from ._ends import even_ends as even_ends
 from ._input import as_series as as_series
 from ._long import LongAllanVariance as LongAllanVariance
 from ._long_statistics import LongStatistics as LongStatistics

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ..curves import even_ends
 from ..physics import Sampling
 from .courses import _course
 from .courses._course import Course, Sized
@@ -268,8 +269,7 @@ def begin(
 ) -> Investigation:
     """Nothing known but the five terms; the arguments are those of `investigate`."""
     found = sample_format(values, pieces)
-    parts = tuple(values[start:stop] for start, stop in pieces)
-    spectrum = ordinates(parts, sampling)
+    spectrum = ordinates(between_even_ends(values, pieces, power), sampling)
     edges = bin_edges(spectrum.longest)
     spectrum = above_leakage(spectrum, binned(spectrum, edges))
     bins = binned(spectrum, edges)
@@ -291,6 +291,16 @@ def begin(
         tuple(b for (_, a), (b, _) in pairwise(pieces) if a == b),
         np.arange(values.size, dtype=float),
     )
+
+
+def between_even_ends(
+    values: Float[np.ndarray, " samples"],
+    pieces: tuple[tuple[int, int], ...],
+    power: Float[np.ndarray, " terms"],
+) -> tuple[Float[np.ndarray, " _"], ...]:
+    """The stretches as their spectrum is made of them, by Q and N, the first two of `power`."""
+    error, white = np.sqrt(power[:2]).tolist()
+    return tuple(even_ends(values[start:stop], error, white) for start, stop in pieces)
 
 
 def whitened_pieces(

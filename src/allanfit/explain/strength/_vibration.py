@@ -15,7 +15,7 @@ from scipy.signal.windows import hann
 
 from .._intervals import runs, widened
 from .._refit import rebin
-from .._state import Investigation
+from .._state import Investigation, between_even_ends
 from ..spectrum._ordinates import amplitudes
 from ._changing import (
     TILE,
@@ -175,7 +175,7 @@ def take_out(
         # Where it vibrates, noise beside it is known as little as that is of all.
         power = float(np.sum(excess**2) / np.sum(excess))
         dilution = 1 / float(np.mean(1 / (1 + power * found.course) ** 2))
-    parts = tuple(values[start:stop] for start, stop in state.pieces)
+    parts = between_even_ends(values, state.pieces, np.exp(state.model.theta[:2]))
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts), dilution=dilution)
     rebin(state)
 

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import binom, chi2, norm
 
 from .._refit import rebin, refit
-from .._state import Investigation
+from .._state import Investigation, between_even_ends
 from ..spectrum._ordinates import amplitudes
 from ..spectrum._whiten import END, level, mode_frequency, precision, shaped
 
@@ -259,6 +259,6 @@ def _together(wrong: Bool[np.ndarray, " looked_at"], reach: int) -> Bool[np.ndar
 
 def read_again(state: Investigation) -> None:
     """The spectrum of the values as they are now."""
-    parts = tuple(state.values[start:stop] for start, stop in state.pieces)
+    parts = between_even_ends(state.values, state.pieces, np.exp(state.model.theta[:2]))
     state.spectrum = state.spectrum._replace(amplitude=amplitudes(parts))
     rebin(state)
