@@ -1,0 +1,55 @@
+"""How often intervals of N hold where quantization rules: ends of the record evened, or not.
+
+    python -m benchmarks.ends                 # 40 records a row, three minutes
+    python -m benchmarks.ends --records 200
+
+Records of N = 1 beside the differences of errors of an angle, Q times N a sample. `allanfit.fit`
+evens the errors at both ends (`curves/_ends.py`); `allanfit.fit_many` does not.
+"""
+
+import argparse
+from pathlib import Path
+
+import jax
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+import allanfit
+from allanfit.report import write_json
+
+SAMPLES = 60_000
+RATIOS = (1.0, 20.0, 100.0, 300.0)
+
+
+def holds(fit) -> bool:
+    """Whether the 95 % interval of N holds it."""
+    low, high = np.asarray(fit.intervals["N"]).reshape(2)
+    return bool(low <= 1 <= high)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=int, default=40)
+    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
+    options = parser.parse_args(arguments)
+    jax.config.update("jax_enable_x64", True)
+    rows = []
+    for ratio in RATIOS:
+        evened = as_it_is = 0
+        for seed in track(range(options.records), f"Q/N {ratio:g}", console=Console(stderr=True)):
+            rng = np.random.default_rng((7, int(ratio), seed))
+            angle = ratio * rng.standard_normal(SAMPLES + 1)
+            x = rng.standard_normal(SAMPLES) + np.diff(angle)
+            evened += holds(allanfit.fit(x, 1.0))
+            as_it_is += holds(allanfit.fit_many(x[None], 1.0))
+        rows.append({"ratio": ratio, "evened": evened, "as it is": as_it_is})
+    print(f"| Q/N | evened | as it is | of\n|{'---|' * 4}")
+    for row in rows:
+        print(f"| {row['ratio']:g} | {row['evened']} | {row['as it is']} | {options.records} |")
+    options.output.mkdir(parents=True, exist_ok=True)
+    write_json({"records": options.records, "rows": rows}, options.output / "ends.json")
+
+
+if __name__ == "__main__":
+    main()
