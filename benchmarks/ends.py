@@ -3,19 +3,23 @@
     python -m benchmarks.ends                 # 40 records a row, three minutes
     python -m benchmarks.ends --records 200
 
-Records of N = 1 beside the differences of errors of an angle, Q times N a sample. `allanfit.fit`
-evens the errors at both ends (`curves/_ends.py`); `allanfit.fit_many` does not.
+Records of N = 1 beside the differences of errors of an angle, Q times N a sample, fitted with the
+errors at both ends evened (`curves/_ends.py`), as `allanfit.fit` does, and as they are.
 """
 
 import argparse
 from pathlib import Path
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from rich.console import Console
 from rich.progress import track
 
 import allanfit
+from allanfit.curves import design
+from allanfit.identify import Fit
+from allanfit.identify._estimate import estimate
 from allanfit.report import write_json
 
 SAMPLES = 60_000
@@ -42,7 +46,9 @@ def main(arguments=None):
             angle = ratio * rng.standard_normal(SAMPLES + 1)
             x = rng.standard_normal(SAMPLES) + np.diff(angle)
             evened += holds(allanfit.fit(x, 1.0))
-            as_it_is += holds(allanfit.fit_many(x[None], 1.0))
+            layout = design((SAMPLES,))
+            plain = estimate((jnp.asarray(x),), layout, 1.0, jax.random.key(0))
+            as_it_is += holds(Fit(plain, layout, 1.0))
         rows.append({"ratio": ratio, "evened": evened, "as it is": as_it_is})
     print(f"| Q/N | evened | as it is | of\n|{'---|' * 4}")
     for row in rows:

@@ -17,7 +17,7 @@ from ..recording._timestamps import SHORTEST_STRETCH
 from ._estimate import Estimate, estimate
 
 # N is wrong at first where errors at the ends rule, and hardly changes from the second time on.
-_PASSES = 2
+PASSES = 2
 
 
 class Fit(eqx.Module):
@@ -176,16 +176,20 @@ def _between_even_ends(
 ) -> Estimate:
     """The estimate where errors of an angle at the ends of stretches are as large as expected."""
     scale = np.asarray(unit_scale(1 / rate_hz))[:2]
-    for _ in range(_PASSES):
+    for _ in range(PASSES):
         error, white = (np.asarray(found.least_squares)[:2] / scale).tolist()
         if not any(ends_matter(piece.size, error, white) for piece in pieces):
             break
         even = tuple(jnp.asarray(even_ends(np.asarray(each), error, white)) for each in pieces)
-        measured = found.statistics.allan
-        found = estimate(even, layout, 1 / rate_hz, jax.random.key(seed))
         # The curve that people see stays that of the record.
-        found = eqx.tree_at(lambda tree: tree.statistics.allan, found, measured)
+        measured = found.statistics.allan
+        found = with_allan(estimate(even, layout, 1 / rate_hz, jax.random.key(seed)), measured)
     return found
+
+
+def with_allan(found: Estimate, allan: Float[Array, "*sensors sizes"]) -> Estimate:
+    """The same estimate with another Allan variance to show."""
+    return eqx.tree_at(lambda tree: tree.statistics.allan, found, allan)
 
 
 def check_lengths(lengths: tuple[int, ...]) -> None:

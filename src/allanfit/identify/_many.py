@@ -12,10 +12,19 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Float, Int
 
-from ..curves import Design, Statistics, as_series, design, statistics
+from ..curves import (
+    Design,
+    Statistics,
+    as_series,
+    design,
+    ends_matter,
+    even_ends,
+    statistics,
+    unit_scale,
+)
 from ..physics import Sampling
 from ._estimate import Estimate, as_design_dtype, conclude, estimate, prepare
-from ._fit import Fit, check_lengths
+from ._fit import PASSES, Fit, check_lengths, with_allan
 from ._posterior import Target
 from ._ramp import RampData
 
@@ -69,11 +78,15 @@ def fit_many(
     layouts = [jax.device_put(as_design_dtype(layout, first.dtype), device) for device in devices]
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
 
-    def one_group(place: int, group: Int[np.ndarray, " group"]) -> Estimate:
+    def one_group(
+        place: int, group: Int[np.ndarray, " group"], rows: np.ndarray | None = None
+    ) -> Estimate:
         device = devices[place % len(devices)]
         # Settings that a caller makes for a while are those of his thread alone.
         with jax.enable_x64(wide), jax.default_device(device):
-            series = jax.device_put(as_series(data[group], rate_hz), device)
+            series = jax.device_put(
+                as_series(data[group] if rows is None else rows, rate_hz), device
+            )
             found, *rest = _reduce_group(series, layouts[place % len(devices)])
             dt = jnp.asarray(1 / rate_hz, series.dtype)
             concluded = _conclude_group(*rest, dt, jax.random.key(seed), jnp.asarray(group))
@@ -81,7 +94,25 @@ def fit_many(
 
     # Several programs at once keep the cores busy, which one program of small operations does not.
     workers = max(os.cpu_count() or 1, len(devices)) if platform == "cpu" else len(devices)
-    whole = _gathered(one_group, len(data), warm_up=len(devices), workers=workers)
+    gathered = partial(_gathered, warm_up=len(devices), workers=workers)
+    whole = gathered(one_group, len(data))
+    scale = np.asarray(unit_scale(1 / rate_hz))[:2]
+    for _ in range(PASSES):
+        error, white = (np.asarray(whole.least_squares)[:, :2] / scale).T
+        ruled = np.flatnonzero(ends_matter(data.shape[1], error, white))
+        if not ruled.size:
+            break
+
+        def between_even_ends(
+            place: int, group: Int[np.ndarray, " group"], of=ruled, error=error, white=white
+        ) -> Estimate:
+            rows = [even_ends(np.asarray(data[i]), error[i], white[i]) for i in of[group]]
+            return one_group(place, of[group], np.stack(rows))
+
+        again = gathered(between_even_ends, ruled.size)
+        # The curve that people see stays that of the record.
+        again = with_allan(again, whole.statistics.allan[ruled])
+        whole = jax.tree.map(lambda old, new, at=ruled: old.at[at].set(new), whole, again)
     return Fit(whole, layout, rate_hz)
 
 
