@@ -82,3 +82,16 @@ def test_what_was_lost_goes_into_the_next_sample():
     untouched = np.delete(np.arange(at.size), after)
     assert np.array_equal(state.values[untouched], x[kept][untouched])
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+def test_n_is_as_uncertain_as_errors_lost_nobody_knows_when():
+    """Of n squares of normal errors the sum is known to sqrt(2/n); 400 draws, known to 4 %."""
+    rng = np.random.default_rng(7)
+    x = rng.standard_normal(20_000) + 7 * np.diff(rng.standard_normal(20_001))
+    state = begin(x, ((0, x.size),), "point", np.array([49.0, 1.0, 0.0, 0.0]), 1e-3)
+    count_losses_out(state, 50, 0)
+    assert np.array_equal(state.values, x)
+    # The fit knows Q to some per cent.
+    assert state.foreign == pytest.approx(2 * 50 / x.size * 49, rel=0.1)
+    assert state.unseen is not None
+    assert np.std(state.unseen) / state.foreign == pytest.approx(np.sqrt(2 / 50), rel=0.15)
