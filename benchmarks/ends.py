@@ -38,7 +38,7 @@ def main(arguments=None):
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
     options = parser.parse_args(arguments)
     jax.config.update("jax_enable_x64", True)
-    rows = []
+    layout, rows = design((SAMPLES,)), []
     for ratio in RATIOS:
         evened = as_it_is = 0
         for seed in track(range(options.records), f"Q/N {ratio:g}", console=Console(stderr=True)):
@@ -46,7 +46,6 @@ def main(arguments=None):
             angle = ratio * rng.standard_normal(SAMPLES + 1)
             x = rng.standard_normal(SAMPLES) + np.diff(angle)
             evened += holds(allanfit.fit(x, 1.0))
-            layout = design((SAMPLES,))
             plain = estimate((jnp.asarray(x),), layout, 1.0, jax.random.key(0))
             as_it_is += holds(Fit(plain, layout, 1.0))
         rows.append({"ratio": ratio, "evened": evened, "as it is": as_it_is})

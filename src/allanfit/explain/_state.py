@@ -190,11 +190,12 @@ class Investigation:
             whole[self.looked_at] = self.modulation.deviation()
         return whole
 
-    def count_out(self, variance: float, draws: Float[np.ndarray, " draws"]) -> None:
-        """White variance that does not belong to N, and draws of it: N is as uncertain as these."""
+    def count_unsure(self, variance: float, unsure: Float[np.ndarray, " draws"]) -> None:
+        """White variance that does not belong to N, and draws of its error, which N has as well."""
         self.foreign += variance
-        others = 0.0 if self.unseen is None else np.resize(self.unseen, draws.size)
-        self.unseen = draws - variance + others
+        self.unseen = (
+            unsure if self.unseen is None else unsure + np.resize(self.unseen, unsure.size)
+        )
 
     def flags(self, looked_at: Bool[np.ndarray, " looked_at"]) -> Bool[np.ndarray, " samples"]:
         """What is true of samples that were looked at, of all samples."""

@@ -162,7 +162,7 @@ def fit_series(
     layout = design(lengths, sampling)
     pieces = tuple(series[start:stop] for start, stop in stretches)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
-    if not isinstance(series, Tracer):
+    if not isinstance(found.least_squares, Tracer):
         found = _between_even_ends(found, pieces, layout, rate_hz, seed)
     return Fit(found, layout, rate_hz)
 
@@ -175,9 +175,8 @@ def _between_even_ends(
     seed: int,
 ) -> Estimate:
     """The estimate where errors of an angle at the ends of stretches are as large as expected."""
-    scale = np.asarray(unit_scale(1 / rate_hz))[:2]
     for _ in range(PASSES):
-        error, white = (np.asarray(found.least_squares)[:2] / scale).tolist()
+        error, white = errors_and_white_noise(found, rate_hz).tolist()
         if not any(ends_matter(piece.size, error, white) for piece in pieces):
             break
         even = tuple(jnp.asarray(even_ends(np.asarray(each), error, white)) for each in pieces)
@@ -185,6 +184,12 @@ def _between_even_ends(
         measured = found.statistics.allan
         found = with_allan(estimate(even, layout, 1 / rate_hz, jax.random.key(seed)), measured)
     return found
+
+
+def errors_and_white_noise(found: Estimate, rate_hz: float) -> Float[np.ndarray, "2 *sensors"]:
+    """Q and N for a sampling interval of one [u]."""
+    scale = np.asarray(unit_scale(1 / rate_hz))[:2]
+    return np.moveaxis(np.asarray(found.least_squares)[..., :2] / scale, -1, 0)
 
 
 def with_allan(found: Estimate, allan: Float[Array, "*sensors sizes"]) -> Estimate:

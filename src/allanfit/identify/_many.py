@@ -20,11 +20,10 @@ from ..curves import (
     ends_matter,
     even_ends,
     statistics,
-    unit_scale,
 )
 from ..physics import Sampling
 from ._estimate import Estimate, as_design_dtype, conclude, estimate, prepare
-from ._fit import PASSES, Fit, check_lengths, with_allan
+from ._fit import PASSES, Fit, check_lengths, errors_and_white_noise, with_allan
 from ._posterior import Target
 from ._ramp import RampData
 
@@ -96,9 +95,8 @@ def fit_many(
     workers = max(os.cpu_count() or 1, len(devices)) if platform == "cpu" else len(devices)
     gathered = partial(_gathered, warm_up=len(devices), workers=workers)
     whole = gathered(one_group, len(data))
-    scale = np.asarray(unit_scale(1 / rate_hz))[:2]
     for _ in range(PASSES):
-        error, white = (np.asarray(whole.least_squares)[:, :2] / scale).T
+        error, white = errors_and_white_noise(whole, rate_hz)
         ruled = np.flatnonzero(ends_matter(data.shape[1], error, white))
         if not ruled.size:
             break

@@ -28,9 +28,10 @@ def names_and_edges(values):
     return sorted(finding.name for finding in state.findings), edges
 
 
-def test_a_shift_has_the_edges_of_its_steps():
-    """It is taken at first with loud times that lack a pause, and steps beside."""
-    names, edges = names_and_edges(drawn(0, 0.3, RATIO))
+@pytest.mark.parametrize("shift", [0.3, 0.6])
+def test_a_shift_has_the_edges_of_its_steps(shift):
+    """The smaller shift is taken at first, with loud times that lack a pause, and steps beside."""
+    names, edges = names_and_edges(drawn(0, shift, RATIO))
     assert names == ["variance_modulation", "vibration_rectification"]
     assert edges == pytest.approx(np.ravel(LOUD), abs=1e-3)
 

@@ -22,6 +22,8 @@ _MEDIAN = 0.45494
 # The relative standard deviation of a median of n of them, times sqrt(n).
 _SCATTER = 2.33
 _CLEAR = 5.0
+#: Samples of a kernel that is long enough for what whitening does in time.
+KERNEL = 4096
 #: So many of the first and of the last samples of a stretch may hold what its ends leak.
 END = 32
 
@@ -85,6 +87,15 @@ def precision(
     found[:_DROPPED] = 0.0
     found[~spectrum.clean(frequency)] = 0.0
     return found
+
+
+def kernel_density(
+    spectrum: Ordinates, expected: Float[np.ndarray, " ordinates"]
+) -> Float[np.ndarray, " frequencies"]:
+    """Density [u^2], of white noise its variance, at the frequencies of a kernel of `KERNEL`."""
+    frequency = np.arange(KERNEL // 2 + 1) / KERNEL
+    # An ordinate is 2 c^2.
+    return np.interp(frequency, spectrum.frequency, expected / 2)
 
 
 def shaped(

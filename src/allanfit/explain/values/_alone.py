@@ -17,7 +17,7 @@ from scipy.stats import binom, chi2, norm
 from .._refit import rebin, refit
 from .._state import Investigation, between_even_ends
 from ..spectrum._ordinates import amplitudes
-from ..spectrum._whiten import END, level, mode_frequency, precision, shaped
+from ..spectrum._whiten import END, KERNEL, kernel_density, level, mode_frequency, precision, shaped
 
 # A white record shows a wrong sample in one place if it keeps so much of its height.
 _WHITE = 0.9
@@ -26,7 +26,7 @@ _DRIFTS = 0.4
 # Of what stands out this near together, the highest is the one that is wrong, or the first of them;
 # slower noise is no matter of single samples. Where quantization rules, an error is seen in the sum
 # of some samples: there as near as its response is this high, but no further than so many samples.
-_NEAR, _HIGH, _FARTHEST, _KERNEL = 16, 0.003, 128, 4096
+_NEAR, _HIGH, _FARTHEST = 16, 0.003, 128
 # What is lower than the highest by more than this may be its echo.
 _ECHO = 0.5
 # The lower wrong samples stand out once the spectrum is known without the higher ones. Most records
@@ -57,9 +57,7 @@ class Others:
         #: Samples within which one is told from another.
         self.near = _NEAR
         if self._drifts():
-            frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
-            density = np.interp(frequency, state.left.frequency, expected)
-            response = np.asarray(irfft(1 / density, _KERNEL))
+            response = np.asarray(irfft(1 / kernel_density(state.left, expected), KERNEL))
             high = np.abs(response[:_FARTHEST]) > _HIGH * response[0]
             self.near = max(_NEAR, int(np.flatnonzero(high)[-1]) + 1)
         #: Whether they are not to be asked which samples are wrong: where quantization rules, they

@@ -8,11 +8,11 @@ from scipy.ndimage import uniform_filter1d
 
 from .._refit import refit
 from .._state import Investigation
-from ..spectrum._whiten import level
+from ..spectrum._whiten import KERNEL, kernel_density, level
 from ._alone import Others, read_again
 
-# Samples on either side of a loss that may hear of it, and a kernel long enough for them.
-_REACH, _KERNEL = 256, 4096
+# Samples on either side of a loss that may hear of it.
+_REACH = 256
 # Less of a variance is no matter.
 _HEARD = 0.05
 # N is too large at first, and what was lost is known the better the smaller it is.
@@ -34,12 +34,9 @@ def count_losses_out(state: Investigation, losses: int, seed: int) -> None:
     state.bridged = heard and 0 < most < _REACH and state.format.normal
     if state.bridged:
         added = _bridge(state, rng)
-    # Of so many errors at random.
-    draws = added * rng.chisquare(losses, _DRAWS) / losses
-    if state.bridged:
-        state.count_out(0.0, draws - added)
-    else:
-        state.count_out(added, draws)
+    # Of so many errors at random. What was put in place of lost ones is noise of N's own.
+    unsure = added * rng.chisquare(losses, _DRAWS) / losses - added
+    state.count_unsure(0.0 if state.bridged else added, unsure)
     refit(state)
 
 
@@ -80,9 +77,8 @@ def _left_open(
     state: Investigation, counts: Int[np.ndarray, " losses"]
 ) -> Float[np.ndarray, " losses"]:
     """Variance of the sum of so many samples in a row, given all others."""
-    frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
-    density = np.interp(frequency, state.left.frequency, level(state.left, state.variance) / 2)
-    inverse = np.asarray(irfft(1 / density, _KERNEL))
+    density = kernel_density(state.left, level(state.left, state.variance))
+    inverse = np.asarray(irfft(1 / density, KERNEL))
     of = {
         count: float(np.sum(np.linalg.inv(toeplitz(inverse[:count]))))
         for count in map(int, np.unique(counts))
@@ -101,10 +97,9 @@ def beside_losses(state: Investigation) -> Float[np.ndarray, " looked_at"]:
     after = np.flatnonzero(lost > 0)
     if state.bridged or not after.size:
         return variance[state.looked_at]
-    frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
-    density = np.interp(frequency, state.left.frequency, level(state.left, state.variance) / 2)
-    covariance = np.asarray(irfft(density, _KERNEL))
-    kernel = np.asarray(irfft(1 / np.sqrt(density), _KERNEL))
+    density = kernel_density(state.left, level(state.left, state.variance))
+    covariance = np.asarray(irfft(density, KERNEL))
+    kernel = np.asarray(irfft(1 / np.sqrt(density), KERNEL))
     for count in map(int, np.unique(lost[after])):
         added = _added(covariance, kernel, count)
         if np.abs(added).max() < _HEARD:

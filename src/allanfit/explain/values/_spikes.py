@@ -7,7 +7,7 @@ from scipy.fft import irfft
 from ...recording._spikes import alone
 from .._refit import refit
 from .._state import Finding, Investigation
-from ..spectrum._whiten import END
+from ..spectrum._whiten import END, KERNEL, kernel_density
 from . import _discrete
 from ._alone import Others, behind_filter, clear_of_noise, read_again
 from ._contamination import Contamination, beyond, contamination, in_units, unseen, unseen_draws
@@ -22,9 +22,8 @@ USUAL = 0.08
 # Such noise, and spikes no larger than the noise, are told from a strong effect that is not normal
 # by this gain over a normal one.
 _LONG_TAILED = 60.0
-# Samples of the whitening kernel; uniform parts that are narrower are as good as normal, and so
-# much of the variance is uniform at most.
-_KERNEL = 4096
+# Uniform parts that are narrower are as good as normal, and so much of the variance is uniform at
+# most.
 _NARROWEST, _MOST_UNIFORM = 0.02, 0.9
 # By chance the quiet times may seem to have spikes as often.
 _IN_QUIET = 0.01
@@ -185,7 +184,8 @@ def _count_unseen(state: Investigation, seed: int) -> None:
     """Count spikes [u] within reach of the noise out of N, and let N be as uncertain as these."""
     found = state.contamination
     assert found is not None
-    state.count_out(unseen(found), unseen_draws(found, seed))
+    within = unseen(found)
+    state.count_unsure(within, unseen_draws(found, seed) - within)
 
 
 def _take_spikes(state: Investigation, spiky: Contamination, height: float) -> None:
@@ -208,10 +208,9 @@ def _uniform_parts(
     """
     if state.model.kinds.shaping is not None:
         return ()
-    frequency = np.arange(_KERNEL // 2 + 1) / _KERNEL
-    density = np.interp(frequency, state.left.frequency, mean / 2)
-    difference = 1 - np.exp(-2j * np.pi * frequency)
-    kernel = np.asarray(irfft(difference / np.sqrt(density), _KERNEL))
+    density = kernel_density(state.left, mean)
+    difference = 1 - np.exp(-2j * np.pi * np.arange(density.size) / KERNEL)
+    kernel = np.asarray(irfft(difference / np.sqrt(density), KERNEL))
     deviation = float(np.exp(state.model.theta[0] / 2))
     half = np.sort(np.sqrt(3) * deviation * np.abs(kernel))[::-1]
     half = half[half > _NARROWEST]
