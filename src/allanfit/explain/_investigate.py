@@ -6,6 +6,7 @@ takes one (`_rounds` says which), until nothing is left that is no chance.
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -17,12 +18,19 @@ from ..recording._checks import usable
 from ._chance import log_chance
 from ._intervals import cut_out, joined
 from ._refit import drop_courses, evidence, finer_edges, go_back, refit, remembered, resize
-from ._rounds import LEEWAY, LINE_ALARM, TWO, take_one, take_strong_lines
+from ._rounds import (
+    LEEWAY,
+    LINE_ALARM,
+    TWO,
+    smooth_options,
+    take_one,
+    take_strong_lines,
+)
 from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
 from .courses._rectified import steps_while_loud
-from .courses._switches import switches_only
+from .courses._switches import of_switches, without_switches
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
 from .spectrum import _search
@@ -30,6 +38,7 @@ from .spectrum._leakage import take_bump
 from .spectrum._narrow import narrow_noises
 from .strength._knocks import moved_while_loud
 from .strength._lasting import about_spread, loudness
+from .values._alone import read_again
 from .values._clock import fresh_values
 from .values._format import stuck
 from .values._held_out import of_events
@@ -42,6 +51,8 @@ ALARM = 0.0008
 _MOST_ROUNDS = 10
 # Knocks are cut out so many times, since strong ones hide what is weaker.
 _MOST_CUTS = 3
+# So many knocks, steps and outliers are asked whether they are switches of a process not found yet.
+_FEWEST_SWITCHES = 2
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
@@ -101,6 +112,7 @@ def investigate(
         return state
     if times:
         state = _begin_again(state, free, power)
+    made = copy(state)
     take_strong_lines(state)
     if about_spread(state, seed):
         state = _without_knocks(state, power, seed)
@@ -110,7 +122,7 @@ def investigate(
         _take_all(state, drivers)
     if steps_while_loud(state):
         _take_all(state, drivers)
-    whole = _with_switches(state, power, seed)
+    whole = _with_switches(state, made, power, seed)
     if whole is not None:
         state = whole
         _take_all(state, drivers)
@@ -142,11 +154,16 @@ def _without_knocks(
 
 
 def _with_switches(
-    state: Investigation, power: Float[np.ndarray, " terms"], seed: int
+    state: Investigation, made: Investigation, power: Float[np.ndarray, " terms"], seed: int
 ) -> Investigation | None:
-    """The investigation with all switches of a telegraph left in, if they were cut or taken out."""
-    stepped = any(course.name == "step" for course in state.courses)
-    if "gauss_markov" not in state.model.kinds.added or not (state.knocks or stepped):
+    """The investigation with all switches of a telegraph left in, if they were cut or taken out.
+
+    `made` is as it was before the noise was asked anything.
+    """
+    moves = len(state.knocks) + [course.name for course in state.courses].count("step")
+    named = "gauss_markov" in state.model.kinds.added
+    # Between them the steps of a telegraph may leave nothing of the process.
+    if moves + (state.contamination is not None) < (1 if named else _FEWEST_SWITCHES):
         return None
     pieces = joined(state.pieces, state.knocks, state.breaks)
     whole = _begin_again(state, pieces, power)
@@ -157,10 +174,38 @@ def _with_switches(
     whole.findings += [each for each in state.findings if each.name in names]
     whole.peaks, whole.model = state.peaks, state.model
     finer_edges(whole)
-    if not switches_only(state, whole, seed):
+    if not named and not _take_process(whole):
         return None
+    white = without_switches(state, whole, seed)
+    if white is None:
+        return None
+    if state.contamination is not None:
+        if of_switches(state.contamination, white, seed):
+            _without_spikes(whole, made)
+        elif not moves:
+            return None
     whole.switching = True
     return whole
+
+
+def _take_process(state: Investigation) -> bool:
+    """Take a Gauss-Markov process, if there is one; says whether there was."""
+    found = [each for each in smooth_options(state) if each.name == "gauss_markov"]
+    best = min(found, key=lambda option: option.log_p, default=None)
+    if best is None or best.log_p >= np.log(state.alarm):
+        return False
+    best.take({each.name: each.score for each in found})
+    return True
+
+
+def _without_spikes(state: Investigation, made: Investigation) -> None:
+    """Spikes that were none are among the values again, as these were `made`."""
+    state.values, state.contamination = made.values, None
+    state.foreign, state.unseen = made.foreign, made.unseen
+    state.findings = [each for each in state.findings if each.name != "outliers"]
+    state.gains.pop("outliers", None)
+    read_again(state)
+    refit(state)
 
 
 def _begin_again(

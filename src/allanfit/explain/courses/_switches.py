@@ -1,4 +1,4 @@
-"""Whether a wandering bias dwells at two levels, and steps are but switches between them."""
+"""Whether a wandering bias dwells at two levels: its switches pass for steps, knocks and spikes."""
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -9,6 +9,7 @@ from ..spectrum._climb import gain_at, noise_at
 from ..spectrum._ordinates import ordinates
 from ..spectrum._structure import EACH, shape_of
 from ..spectrum._whiten import level, whitened
+from ..values._contamination import Contamination, contamination
 from . import _course
 from ._shapes import draw_courses
 from ._telegraph import Levels, two_levels
@@ -18,6 +19,8 @@ from ._telegraph import Levels, two_levels
 _ALIKE, _DEVIATIONS, _DRAWS = 0.35, 2.0, 400
 # Without its switches a time is as quiet as others if it is no louder, in power, by this.
 _LOUD = 1.5
+# Spikes are of switches if without these no more of their variance is left.
+_SPIKES_LEFT = 0.2
 
 
 def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> Levels:
@@ -38,10 +41,13 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     return two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
 
 
-def switches_only(state: Investigation, whole: Investigation, seed: int) -> bool:
-    """Whether steps and disturbed times of `state` are switches of a telegraph in the `whole`.
+def without_switches(
+    state: Investigation, whole: Investigation, seed: int
+) -> Float[np.ndarray, " samples"] | None:
+    """The longest stretch of the `whole` without the switches of a telegraph, and made white.
 
-    The `whole` has the structure of `state`, and nothing taken or cut out in time.
+    None where steps and disturbed times of `state` are no such switches. The `whole` has the
+    structure of `state` with a Gauss-Markov process, and no course or interval taken out.
     """
     kinds = whole.model.kinds
     begin = kinds.first_slot + EACH * kinds.added.index("gauss_markov")
@@ -49,36 +55,57 @@ def switches_only(state: Investigation, whole: Investigation, seed: int) -> bool
     constant = float(shape_of("gauss_markov", three, whole.data.samples)[0])
     levels = levels_of(whole, begin, constant, seed)
     if levels.chance > whole.alarm:
-        return False
+        return None
     spread = levels.upper * (1 - levels.upper)
     height = float(np.exp(three[0] / 2)) / np.sqrt(spread)
     if any(
         abs(abs(each) - height) > _ALIKE * height + _DEVIATIONS * deviation
         for each, deviation in _step_heights(state, seed)
     ):
-        return False
-    return not state.knocks or _quiet_without(whole, levels, height, constant, state.knocks)
+        return None
+    white = _less_levels(whole, levels, height, constant)
+    return white if _quiet(whole, white, state.knocks) else None
 
 
-def _quiet_without(
-    whole: Investigation,
-    levels: Levels,
-    height: float,
-    constant: float,
-    knocks: list[tuple[int, int]],
-) -> bool:
-    """Whether nothing is loud in some times once the switches are taken out."""
-    start, stop = whole.longest
-    values = whole.values[start:stop]
-    rest = values - height * _levels_in_time(values, levels.high, round(constant))
+def of_switches(spikes: Contamination, white: Float[np.ndarray, " samples"], seed: int) -> bool:
+    """Whether spikes are gone from a record, made `white`, that lacks the switches."""
+    left = contamination(white, seed, spikes.boxes)
+    return _power(left) < _SPIKES_LEFT * _power(spikes)
+
+
+def _power(spikes: Contamination) -> float:
+    """Over that of the noise without them."""
+    return spikes.fraction * (spikes.amplitude / spikes.sigma) ** 2
+
+
+def _less_levels(
+    whole: Investigation, levels: Levels, height: float, constant: float
+) -> Float[np.ndarray, " samples"]:
+    """The longest stretch less its two levels, and made white."""
+    values = whole.values[slice(*whole.longest)]
+    path = _levels_in_time(values, levels.high, round(constant))
     names = whole.model.kinds.names
     bare = _search.without(whole.model, names.index("gauss_markov"))
-    spectrum = ordinates((rest,), whole.sampling)
-    variance = _course.ordinate_variance(spectrum, bare, whole.data)
-    white = whitened(rest, spectrum, level(spectrum, variance))
-    loud = np.zeros(values.size, bool)
+    spectrum = ordinates((values - height * path,), whole.sampling)
+    expected = level(spectrum, _course.ordinate_variance(spectrum, bare, whole.data))
+    white = whitened(values, spectrum, expected)
+    switches = whitened(path, spectrum, expected)
+    # The switches themselves know their height better than the process does.
+    return white - (white @ switches) / (switches @ switches) * switches
+
+
+def _quiet(
+    whole: Investigation,
+    white: Float[np.ndarray, " samples"],
+    knocks: list[tuple[int, int]],
+) -> bool:
+    """Whether nothing is loud in some times of what was made `white`, if there are any."""
+    start, _ = whole.longest
+    loud = np.zeros(white.size, bool)
     for low, high in knocks:
         loud[max(low - start, 0) : max(high - start, 0)] = True
+    if not knocks:
+        return True
     if not loud.any() or loud.all():
         return False
     return bool(np.mean(white[loud] ** 2) < _LOUD * np.mean(white[~loud] ** 2))
