@@ -10,6 +10,7 @@ from ._effect import Effect
 from ._state import Finding, Investigation, Unknown
 from .courses._course import Course
 from .courses._jumps import jumps
+from .courses._one_by_one import dwells
 from .courses._shapes import draw_courses
 from .courses._switches import levels_of
 from .lines._parts import merged
@@ -227,7 +228,7 @@ def _finite(kind: LowPass) -> str:
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:
     """A Gauss-Markov process, or a telegraph that looks like one."""
     constant = float(np.median(time))
-    band = (0.15 / (2 * np.pi * constant * dt), min(3 / (2 * np.pi * constant * dt), 0.5 / dt))
+    band = _corner_band(constant * dt, dt)
     plain = Effect(
         "gauss_markov", own, dict(others), {"sigma": size, "correlation_time": time * dt}, {}, band
     )
@@ -259,6 +260,23 @@ def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effec
     return [replace(plain, probability=own - telegraph, alternatives=rest)]
 
 
+def _telegraph(course: Course, height, dt: float, rng) -> Effect:
+    """A telegraph whose switches were seen one by one."""
+    dwell, share, uneven = dwells(course, rng, height.size)
+    values = {"amplitude": np.abs(height), "dwell_time": dwell * dt}
+    if uneven:
+        values["upper_share"] = share
+    spread = course.shape["upper"] * (1 - course.shape["upper"])
+    band = _corner_band(2 * spread * float(np.median(dwell)) * dt, dt)
+    return Effect(course.name, SURE, {}, values, {}, band)
+
+
+def _corner_band(constant: float, dt: float) -> tuple[float, float]:
+    """About the corner of a process with such a time constant [s], in Hz."""
+    corner = 1 / (2 * np.pi * constant)
+    return 0.15 * corner, min(3 * corner, 0.5 / dt)
+
+
 def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
     # A jump is known by what is beside a knock.
     steps = [
@@ -280,6 +298,8 @@ def _courses(state: Investigation, dt: float, rng) -> list[Effect]:
             found.append(Effect("warm_up", own, others, values))
         elif course.name == "sinusoid":
             found.append(_sinusoid(course, sizes, own, others, dt, rng))
+        elif course.name == "random_telegraph":
+            found.append(_telegraph(course, sizes[:, 0], dt, rng))
         elif course.name == "temperature":
             felt.append(sizes)
             warm.append(course)

@@ -17,7 +17,17 @@ from ..physics import Sampling
 from ..recording._checks import usable
 from ._chance import log_chance
 from ._intervals import cut_out, joined
-from ._refit import drop_courses, evidence, finer_edges, go_back, refit, remembered, resize
+from ._refit import (
+    add_course,
+    drop_courses,
+    evidence,
+    exchange_course,
+    finer_edges,
+    go_back,
+    refit,
+    remembered,
+    resize,
+)
 from ._rounds import (
     LEEWAY,
     LINE_ALARM,
@@ -26,11 +36,12 @@ from ._rounds import (
     take_one,
     take_strong_lines,
 )
-from ._state import Finding, Investigation, begin
+from ._state import Finding, Investigation, begin, whitened_piece
 from ._unknown import look_again
 from .courses._course import Course
+from .courses._one_by_one import placed, seen_again, seen_one_by_one
 from .courses._rectified import steps_while_loud
-from .courses._switches import of_switches, without_switches
+from .courses._switches import of_switches, quiet, without_switches
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
 from .spectrum import _search
@@ -41,7 +52,7 @@ from .strength._lasting import about_spread, loudness
 from .values._alone import read_again
 from .values._clock import fresh_values
 from .values._format import stuck
-from .values._held_out import of_events
+from .values._held_out import Gain, of_events
 from .values._losses import count_losses_out
 from .values._rounded import about_angle, about_format, name_fine_codes
 
@@ -156,14 +167,15 @@ def _without_knocks(
 def _with_switches(
     state: Investigation, made: Investigation, power: Float[np.ndarray, " terms"], seed: int
 ) -> Investigation | None:
-    """The investigation with all switches of a telegraph left in, if they were cut or taken out.
+    """The investigation with all switches of a telegraph left in, or taken as what they are.
 
-    `made` is as it was before the noise was asked anything.
+    They may have been cut or taken out one by one. `made` is as it was before the noise was asked anything.
     """
     moves = len(state.knocks) + [course.name for course in state.courses].count("step")
+    moves += state.contamination is not None
     named = "gauss_markov" in state.model.kinds.added
     # Between them the steps of a telegraph may leave nothing of the process.
-    if moves + (state.contamination is not None) < (1 if named else _FEWEST_SWITCHES):
+    if not named and moves < _FEWEST_SWITCHES:
         return None
     pieces = joined(state.pieces, state.knocks, state.breaks)
     whole = _begin_again(state, pieces, power)
@@ -174,7 +186,11 @@ def _with_switches(
     whole.findings += [each for each in state.findings if each.name in names]
     whole.peaks, whole.model = state.peaks, state.model
     finer_edges(whole)
-    if not named and not _take_process(whole):
+    if not named:
+        named = _take_process(whole)
+    if _take_switches(whole, made, state.knocks, seed):
+        return whole
+    if not named or moves == 0:
         return None
     white = without_switches(state, whole, seed)
     if white is None:
@@ -182,10 +198,43 @@ def _with_switches(
     if state.contamination is not None:
         if of_switches(state.contamination, white, seed):
             _without_spikes(whole, made)
-        elif not moves:
+        elif moves == 1:
             return None
     whole.switching = True
     return whole
+
+
+def _take_switches(
+    state: Investigation, made: Investigation, knocks: list[tuple[int, int]], seed: int
+) -> bool:
+    """Take switches that are seen one by one, if they are; says whether they were.
+
+    Nothing of `knocks` may be left without them. Spikes are told again beside them.
+    """
+    take_strong_lines(state)
+    seen, before = seen_one_by_one(state), state.cost
+    if seen is None or seen.worth(state) < -np.log(state.alarm):
+        return False
+    kept = remembered(state)
+    names = state.model.kinds.names
+    if "gauss_markov" in names:
+        state.findings = [each for each in state.findings if each.name != "gauss_markov"]
+        state.model = _search.without(state.model, names.index("gauss_markov"))
+    add_course(state, seen.course, Finding(seen.course.name, 0.0, 0.0))
+    seen = seen_again(state, seen)
+    if seen is not None:
+        exchange_course(state, seen.course)
+        found, gain = state.findings[-1], before - state.cost
+        found.gain, found.log_p = gain, seen.cost - gain / 2
+        white = whitened_piece(state, state.longest)
+        if seen.clear and found.log_p < np.log(state.alarm) and quiet(state, white, knocks):
+            _without_spikes(state, made)
+            exchange_course(state, placed(state, seen).course)
+            state.gains[found.name] = Gain(-seen.cost, 0.0)
+            about_spread(state, seed, may_cut=False)
+            return True
+    go_back(state, kept)
+    return False
 
 
 def _take_process(state: Investigation) -> bool:

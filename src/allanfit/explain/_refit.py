@@ -118,6 +118,13 @@ def add_course(state: Investigation, course: Course, finding: Finding) -> None:
     resize(state)
 
 
+def exchange_course(state: Investigation, course: Course) -> None:
+    """Put a course in place of the one that came last."""
+    state.courses[-1] = course.kept()
+    state.moved[-1] = moved_by(state, state.courses[-1])
+    resize(state)
+
+
 def remembered(state: Investigation) -> dict[str, Any]:
     """What changes when courses are taken or taken back, for `go_back`."""
     # Lists are added to in place.

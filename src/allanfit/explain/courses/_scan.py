@@ -17,6 +17,8 @@ from ._course import Course, late, ordinate_variance, oscillation, step, warm_up
 _BLOCKS = 4096
 # And steps, which are sharp.
 _FINE_BLOCKS = 65536
+# Of which each is of a few samples at most.
+_FINEST_BLOCKS = 2**21
 # A shorter stretch of a record with gaps is looked at if it has so many of these, and for steps, so
 # many samples; slow courses are looked for in so many stretches.
 _FEWEST_BLOCKS, _LONG, _SLOW_PIECES = 32, 256, 4
@@ -281,6 +283,25 @@ def _step_gains(stretch: _Stretch, brief: float) -> tuple[Float[np.ndarray, " pl
 
     None nearer to its ends than `brief` blocks.
     """
+    top, bottom, beside = _step_sums(stretch)
+    gains = top**2 / bottom
+    path = _path(beside / np.sqrt(bottom[1:] * bottom[:-1]))
+    # A step at the very ends is an outlier or a ramp, or an error of the angle.
+    places = gains.size + 1
+    ends = int(np.ceil(places * min(max(1 / 256, brief / stretch.count), 1 / 8)))
+    gains[:ends] = gains[-ends:] = 0.0
+    return gains, path
+
+
+def _step_sums(
+    stretch: _Stretch,
+) -> tuple[
+    Float[np.ndarray, " places"], Float[np.ndarray, " places"], Float[np.ndarray, " between"]
+]:
+    """Products of the record with steps at evenly spaced places, their squares, and of neighbours.
+
+    In white noise, at right angles to the ramp.
+    """
     # The cosine coefficients of a step at g blocks are a sine of g: a sine transform has all
     # positions at once. Where a random walk is strong, a step is known to a few samples, and a
     # scan must be as fine.
@@ -294,14 +315,41 @@ def _step_gains(stretch: _Stretch, brief: float) -> tuple[Float[np.ndarray, " pl
     norm = ramp @ stretch.ramp
     top = top - across * (ramp @ stretch.amplitude) / norm
     bottom = np.maximum(bottom - across**2 / norm, 1e-12 * bottom)
-    gains = top**2 / bottom
     beside = _products(unit**2 / stretch.variance, places, 1)[:-1]
     beside -= across[1:] * across[:-1] / norm
-    path = _path(beside / np.sqrt(bottom[1:] * bottom[:-1]))
-    # A step at the very ends is an outlier or a ramp, or an error of the angle.
-    ends = int(np.ceil(places * min(max(1 / 256, brief / stretch.count), 1 / 8)))
-    gains[:ends] = gains[-ends:] = 0.0
-    return gains, path
+    return top, bottom, beside
+
+
+class StepScores(NamedTuple):
+    """How a step at places of one stretch stands out."""
+
+    start: int
+    stop: int
+    #: Samples of the record, how tall what is there stands in standard deviations, and as how tall
+    #: a step of one unit would [1/u].
+    at: Float[np.ndarray, " places"]
+    scores: Float[np.ndarray, " places"]
+    known: Float[np.ndarray, " places"]
+
+
+def step_scores(
+    values: Float[np.ndarray, " samples"],
+    pieces: list[tuple[int, int]],
+    spectrum: Ordinates,
+    variance: Float[np.ndarray, " ordinates"],
+) -> list[StepScores]:
+    """Steps in each stretch, as fine as it is, in noise that gives the ordinates this variance."""
+    blocks = _blocks(values, pieces, _FINEST_BLOCKS)
+    found = []
+    for stretch, start in zip(
+        blocks.scan(spectrum, variance).stretches, blocks.starts, strict=True
+    ):
+        top, bottom, _ = _step_sums(stretch)
+        length = stretch.count * blocks.size
+        at = start + np.arange(1, top.size + 1) / (top.size + 1) * length
+        known = np.sqrt(bottom)
+        found.append(StepScores(start, start + length, at, top / known, known))
+    return found
 
 
 def _sines(of_order: Float[np.ndarray, " orders"], places: int) -> Float[np.ndarray, " inner"]:

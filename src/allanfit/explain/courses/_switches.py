@@ -11,8 +11,9 @@ from ..spectrum._structure import EACH, shape_of
 from ..spectrum._whiten import level, whitened
 from ..values._contamination import Contamination, contamination
 from . import _course
+from ._one_by_one import seen_one_by_one
 from ._shapes import draw_courses
-from ._telegraph import Levels, two_levels
+from ._telegraph import SURE, Levels, two_levels
 
 # A step is a switch if its height is that between the levels, within so much of it and so many of
 # its standard deviations, which so many draws give.
@@ -38,7 +39,17 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     found *= gain_at(state.model.theta, "gauss_markov", state.model.kinds, thinned, state.data)
     signal = np.minimum(np.interp(frequency, thinned, found), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
-    return two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+    levels = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
+    if levels.chance < state.alarm or len(state.pieces) > 1:
+        return levels
+    # Beside a strong walk switches are seen one by one alone.
+    seen = seen_one_by_one(state)
+    worth = -np.inf if seen is None else seen.worth(state)
+    if seen is None or worth < -np.log(levels.chance):
+        return levels
+    shape, high = seen.course.shape, seen.course.draw()[start:stop, 0] > 0
+    chance = float(np.exp(-min(worth, SURE)))
+    return Levels(2 * worth / high.size, chance, shape["upper"], high)
 
 
 def without_switches(
@@ -64,7 +75,7 @@ def without_switches(
     ):
         return None
     white = _less_levels(whole, levels, height, constant)
-    return white if _quiet(whole, white, state.knocks) else None
+    return white if quiet(whole, white, state.knocks) else None
 
 
 def of_switches(spikes: Contamination, white: Float[np.ndarray, " samples"], seed: int) -> bool:
@@ -94,7 +105,7 @@ def _less_levels(
     return white - (white @ switches) / (switches @ switches) * switches
 
 
-def _quiet(
+def quiet(
     whole: Investigation,
     white: Float[np.ndarray, " samples"],
     knocks: list[tuple[int, int]],
@@ -114,11 +125,13 @@ def _quiet(
 def _levels_in_time(
     values: Float[np.ndarray, " samples"], high: Bool[np.ndarray, " moments"], near: int
 ) -> Float[np.ndarray, " samples"]:
-    """1 on the upper level and 0 on the lower, from rough moments of the switches.
+    """1 on the upper level and 0 on the lower, from moments of the switches, rough if few.
 
     Each switch is where the sum of what lies above the middle turns, within `near` samples.
     """
     count = values.size
+    if high.size == count:
+        return high.astype(float)
     rough = np.round((np.flatnonzero(np.diff(high.astype(int))) + 1) * count / high.size)
     edges = np.concatenate([[0], rough, [count]]).astype(int)
     path, up, last = np.zeros(count), bool(high[0]), 0

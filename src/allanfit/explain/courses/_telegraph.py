@@ -24,8 +24,8 @@ _SHARES = np.array([0.03, 0.15, 0.5, 0.85, 0.97])
 _ROUNDS = 60
 # Width of what stands for one level, beside the spread of all.
 _NARROWEST = 0.05
-# Chances below exp of less this are all alike.
-_SURE = 600.0
+#: Chances below exp of less this are all alike.
+SURE = 600.0
 
 
 class Levels(NamedTuple):
@@ -68,7 +68,7 @@ def two_levels(
     beyond = float(np.mean(null >= gain))
     if beyond == 0:
         # A gain has an exponential tail, if of a size that the memory of the process sets.
-        beyond = float(np.exp(-min(gain / null.mean(), _SURE)))
+        beyond = float(np.exp(-min(gain / null.mean(), SURE)))
         beyond = min(1 / _SURROGATES, beyond)
     return Levels(gain, beyond, float(found.upper[0]), series > found.middle[0])
 
