@@ -39,7 +39,7 @@ from ._rounds import (
 from ._state import Finding, Investigation, begin, whitened_piece
 from ._unknown import look_again
 from .courses._course import Course
-from .courses._one_by_one import placed, seen_again, seen_one_by_one
+from .courses._one_by_one import Seen, placed, seen_again, seen_one_by_one
 from .courses._rectified import steps_while_loud
 from .courses._switches import of_switches, quiet, without_switches
 from .lines._lines import line_log_chance
@@ -64,6 +64,8 @@ _MOST_ROUNDS = 10
 _MOST_CUTS = 3
 # So many knocks, steps and outliers are asked whether they are switches of a process not found yet.
 _FEWEST_SWITCHES = 2
+# Their noise is looked at so many times.
+_MOST_LOOKS = 4
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
@@ -127,6 +129,10 @@ def investigate(
     take_strong_lines(state)
     if about_spread(state, seed):
         state = _without_knocks(state, power, seed)
+    if _moves(state):
+        # What rounds would take one by one, if it is clear by now.
+        whole = _joined_again(state, power)
+        state = whole if _take_switches(whole, made, state.knocks, seed) else state
     _take_all(state, drivers)
     if moved_while_loud(state) or rang_once(state):
         state = _without_knocks(state, power, seed)
@@ -169,28 +175,19 @@ def _with_switches(
 ) -> Investigation | None:
     """The investigation with all switches of a telegraph left in, or taken as what they are.
 
-    They may have been cut or taken out one by one. `made` is as it was before the noise was asked anything.
+    They may have been cut or taken out one by one. `made` is as it was before the noise was asked
+    anything.
     """
-    moves = len(state.knocks) + [course.name for course in state.courses].count("step")
-    moves += state.contamination is not None
     named = "gauss_markov" in state.model.kinds.added
-    # Between them the steps of a telegraph may leave nothing of the process.
-    if not named and moves < _FEWEST_SWITCHES:
+    if state.finding("random_telegraph"):
         return None
-    pieces = joined(state.pieces, state.knocks, state.breaks)
-    whole = _begin_again(state, pieces, power)
-    whole.knocks = []
-    whole.findings = [each for each in whole.findings if each.name != "disturbance"]
-    whole.gains.pop("disturbance", None)
-    names = state.model.kinds.names
-    whole.findings += [each for each in state.findings if each.name in names]
-    whole.peaks, whole.model = state.peaks, state.model
-    finer_edges(whole)
-    if not named:
-        named = _take_process(whole)
+    # Between them the steps of a telegraph may leave nothing of the process.
+    if not named and _moves(state) < _FEWEST_SWITCHES:
+        return None
+    whole = _joined_again(state, power)
     if _take_switches(whole, made, state.knocks, seed):
         return whole
-    if not named or moves == 0:
+    if _moves(state) == 0 or not (named or _take_process(whole)):
         return None
     white = without_switches(state, whole, seed)
     if white is None:
@@ -198,9 +195,28 @@ def _with_switches(
     if state.contamination is not None:
         if of_switches(state.contamination, white, seed):
             _without_spikes(whole, made)
-        elif moves == 1:
+        elif _moves(state) == 1:
             return None
     whole.switching = True
+    return whole
+
+
+def _moves(state: Investigation) -> int:
+    """What may be a switch: how many steps and cut times, and whether there are spikes."""
+    steps = [course.name for course in state.courses].count("step")
+    return steps + len(state.knocks) + (state.contamination is not None)
+
+
+def _joined_again(state: Investigation, power: Float[np.ndarray, " terms"]) -> Investigation:
+    """The investigation with its noises, but nothing taken or cut out in time."""
+    whole = _begin_again(state, joined(state.pieces, state.knocks, state.breaks), power)
+    whole.knocks = []
+    whole.findings = [each for each in whole.findings if each.name != "disturbance"]
+    whole.gains.pop("disturbance", None)
+    names = state.model.kinds.names
+    whole.findings += [each for each in state.findings if each.name in names]
+    whole.peaks, whole.model = state.peaks, state.model
+    finer_edges(whole)
     return whole
 
 
@@ -212,29 +228,44 @@ def _take_switches(
     Nothing of `knocks` may be left without them. Spikes are told again beside them.
     """
     take_strong_lines(state)
-    seen, before = seen_one_by_one(state), state.cost
-    if seen is None or seen.worth(state) < -np.log(state.alarm):
-        return False
     kept = remembered(state)
+    seen = _switch_by_switch(state)
+    if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
+        state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
+        _without_spikes(state, made)
+        exchange_course(state, placed(state, seen).course)
+        about_spread(state, seed, may_cut=False)
+        return True
+    go_back(state, kept)
+    return False
+
+
+def _switch_by_switch(state: Investigation) -> Seen | None:
+    """Take switches that are likelier than a process that wanders; says which, if there are."""
+    seen = seen_one_by_one(state)
+    if seen is None or seen.worth(state) < -np.log(state.alarm):
+        return None
     names = state.model.kinds.names
+    if "gauss_markov" not in names and _take_process(state):
+        names = state.model.kinds.names
+    before = state.cost
     if "gauss_markov" in names:
         state.findings = [each for each in state.findings if each.name != "gauss_markov"]
         state.model = _search.without(state.model, names.index("gauss_markov"))
-    add_course(state, seen.course, Finding(seen.course.name, 0.0, 0.0))
-    seen = seen_again(state, seen)
-    if seen is not None:
-        exchange_course(state, seen.course)
-        found, gain = state.findings[-1], before - state.cost
-        found.gain, found.log_p = gain, seen.cost - gain / 2
-        white = whitened_piece(state, state.longest)
-        if seen.clear and found.log_p < np.log(state.alarm) and quiet(state, white, knocks):
-            _without_spikes(state, made)
-            exchange_course(state, placed(state, seen).course)
-            state.gains[found.name] = Gain(-seen.cost, 0.0)
-            about_spread(state, seed, may_cut=False)
-            return True
-    go_back(state, kept)
-    return False
+    found = Finding(seen.course.name, 0.0, 0.0)
+    add_course(state, seen.course, found)
+    for _ in range(_MOST_LOOKS):
+        again = seen_again(state, seen)
+        if again is None:
+            return None
+        exchange_course(state, again.course)
+        # Each that is seen leaves less noise to the others.
+        if again.count <= seen.count:
+            break
+        seen = again
+    found.gain = before - state.cost
+    found.log_p = again.cost - found.gain / 2
+    return again if again.clear and found.log_p < np.log(state.alarm) else None
 
 
 def _take_process(state: Investigation) -> bool:

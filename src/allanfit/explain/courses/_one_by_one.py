@@ -24,6 +24,8 @@ _LEAST = 4.0
 _FEWEST = 5
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
 _CLEAR = 7.0
+# Their heights differ by less, as a part, with up to so many times what noise makes of them.
+_ALIKE, _SCATTER = 0.1, 1.3
 # Samples that a switch is moved by at once, and how often.
 _REACH, _MOVES = 16, 3
 # Samples of the longest dwell that is looked for as such.
@@ -32,6 +34,8 @@ _BRIEF = 64
 _UNEVEN = 3.0
 # How far off the shortest dwell that is seen may be, as a standard deviation of its logarithm.
 _ROUGH = 0.3
+# And the longest that is believed, as a part of how long the briefer level seems to last.
+_HIDDEN = 0.15
 _ITERATIONS = 40
 
 
@@ -41,10 +45,11 @@ class Edges(NamedTuple):
     start: int
     stop: int
     #: The first sample on the other level, whether that is 1 up or -1 down, and how tall it stands
-    #: in standard deviations.
+    #: in standard deviations and by itself [u].
     at: Int[np.ndarray, " switches"]
     turns: Float[np.ndarray, " switches"]
     tall: Float[np.ndarray, " switches"]
+    height: Float[np.ndarray, " switches"]
 
     @property
     def level(self) -> Float[np.ndarray, " samples"]:
@@ -64,9 +69,15 @@ class Seen(NamedTuple):
     cost: float
 
     @property
+    def count(self) -> float:
+        """How many there are."""
+        return self.course.shape["switches"]
+
+    @property
     def clear(self) -> bool:
-        """Whether nearly all switches were seen."""
-        return self.course.shape["clear"] >= _CLEAR
+        """Whether nearly all switches were seen, all of one height as far as noise tells."""
+        clear, spread = self.course.shape["clear"], self.course.shape["spread"]
+        return clear >= _CLEAR and spread < float(np.hypot(_ALIKE, _SCATTER / clear))
 
     def worth(self, state: Investigation) -> float:
         """By how much the record is likelier with the course than as the model has it [nats]."""
@@ -157,13 +168,14 @@ def _with_brief(
     best, length = np.full(samples, least), np.zeros(samples, int)
     for n, energy in enumerate(pulses, start=1):
         first, stop = 1, samples - n
-        gain = height * other[first:stop] * (told[first + n : stop + n] - told[first:stop])
-        gain -= height**2 / 2 * energy
-        # Between two switches, and apart from both.
+        along = other[first:stop] * (told[first + n : stop + n] - told[first:stop])
+        gain = height * along - height**2 / 2 * energy
+        # Between two switches, and apart from both; what stands out more is no dwell but a spike.
         better = (gain > best[first:stop]) & (past[: stop - 1] == past[first + n :])
+        better &= along < height * energy + _LEAST * np.sqrt(energy)
         best[first:stop][better] = gain[better]
         length[first:stop][better] = n
-    at, turns, tall = list(edges.at), list(edges.turns), list(edges.tall)
+    at, turns, tall, heights = map(list, edges[2:])
     taken = np.zeros(samples, bool)
     found = np.flatnonzero(length)
     for place in found[np.argsort(-best[found])]:
@@ -173,10 +185,10 @@ def _with_brief(
             at += [edges.start + place, edges.start + place + length[place]]
             turns += [other[place], -other[place]]
             tall += [float(np.sqrt(2 * best[place]))] * 2
+            heights += [height] * 2
     order = np.argsort(at)
-    return edges._replace(
-        at=np.array(at)[order], turns=np.array(turns)[order], tall=np.array(tall)[order]
-    )
+    sorted_ones = (np.array(each)[order] for each in (at, turns, tall, heights))
+    return Edges(edges.start, edges.stop, *sorted_ones)
 
 
 def _in_turn(piece: StepScores, scores: Float[np.ndarray, " places"]) -> Edges:
@@ -197,7 +209,9 @@ def _in_turn(piece: StepScores, scores: Float[np.ndarray, " places"]) -> Edges:
         places.append(place)
     found = np.array(places[::-1], int)
     at = np.round(piece.at[found]).astype(int)
-    return Edges(piece.start, piece.stop, at, np.sign(scores[found]), np.abs(scores[found]))
+    tall = np.abs(scores[found])
+    turns = np.sign(scores[found])
+    return Edges(piece.start, piece.stop, at, turns, tall, tall / piece.known[found])
 
 
 def _seen(state: Investigation, edges: list[Edges]) -> Seen | None:
@@ -210,11 +224,14 @@ def _seen(state: Investigation, edges: list[Edges]) -> Seen | None:
     told = [each for each in edges if each.at.size]
     samples = sum(each.stop - each.start for each in told)
     clear = float(np.median(tall))
+    heights = np.concatenate([each.height for each in edges])
+    middle = np.median(heights)
     shape = {
         "switches": float(tall.size),
         "samples": float(samples),
         "upper": sum(float(each.level.sum()) for each in told) / samples,
         "clear": clear,
+        "spread": float(1.4826 * np.median(np.abs(heights - middle)) / middle),
         "unseen": _shortest_seen(state, clear),
     }
     course = Course("random_telegraph", lambda: path[:, None], 1, shape)
@@ -252,9 +269,11 @@ def dwells(
     # Of the time on one level, by turns of exponential length.
     deviation = 2 * upper * (1 - upper) / np.sqrt(switches)
     share = np.clip(upper + deviation * rng.normal(size=draws), 0.01, 0.99)
-    uneven = abs(upper - 0.5) > _UNEVEN * deviation
+    uneven = bool(abs(upper - 0.5) > _UNEVEN * deviation)
     part = share if uneven else np.full(draws, 0.5)
     unseen = shape["unseen"] * np.exp(_ROUGH * rng.normal(size=draws))
+    # Beyond, what seems to last tells nothing any more of what does.
+    unseen = np.minimum(unseen, _HIDDEN * seems * 2 * np.minimum(part, 1 - part))
     dwell = seems.copy()
     for _ in range(_ITERATIONS):
         high, low = 2 * part * dwell, 2 * (1 - part) * dwell
