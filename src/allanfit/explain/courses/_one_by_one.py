@@ -23,7 +23,7 @@ _LEAST = 4.0
 # Fewer steps in turn are steps.
 _FEWEST = 5
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
-_CLEAR = 7.0
+_CLEAR = 6.5
 # Their heights differ by less, as a part, with up to so many times what noise makes of them.
 _ALIKE, _SCATTER = 0.1, 1.3
 # Samples that a switch is moved by at once, and how often.
