@@ -232,6 +232,13 @@ def _take_switches(
     seen = _switch_by_switch(state)
     if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
         state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
+        found = state.findings[-1]
+        state.witness(
+            "two levels",
+            seen.count,
+            float(np.exp(found.log_p)),
+            "Switches between two levels seen one by one, against a process that wanders.",
+        )
         _without_spikes(state, made)
         exchange_course(state, placed(state, seen).course)
         about_spread(state, seed, may_cut=False)
