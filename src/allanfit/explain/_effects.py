@@ -9,8 +9,8 @@ from ..physics import LowPass
 from ._effect import Effect
 from ._state import Finding, Investigation, Unknown
 from .courses._course import Course
+from .courses._dwells import dwells
 from .courses._jumps import jumps
-from .courses._one_by_one import dwells
 from .courses._shapes import draw_courses
 from .courses._switches import levels_of
 from .lines._parts import merged

@@ -39,8 +39,9 @@ from ._rounds import (
 from ._state import Finding, Investigation, begin, whitened_piece
 from ._unknown import look_again
 from .courses._course import Course
-from .courses._one_by_one import Seen, placed, seen_again, seen_one_by_one
+from .courses._one_by_one import Seen, seen_again, seen_one_by_one
 from .courses._rectified import steps_while_loud
+from .courses._switch_times import placed
 from .courses._switches import of_switches, quiet, without_switches
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once

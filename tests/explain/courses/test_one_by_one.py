@@ -7,7 +7,8 @@ from scipy.signal import lfilter
 from allanfit.explain._investigate import ALARM, investigate
 from allanfit.explain._state import begin
 from allanfit.explain.courses._course import Course
-from allanfit.explain.courses._one_by_one import dwells, seen_one_by_one
+from allanfit.explain.courses._dwells import dwells
+from allanfit.explain.courses._one_by_one import seen_one_by_one
 
 SAMPLES = 40_000
 WALK = 0.1

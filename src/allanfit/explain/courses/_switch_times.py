@@ -1,0 +1,108 @@
+"""When a telegraph switched, to the sample, and its dwells too brief for two steps to show.
+
+Levels are compared by the inverse covariance of the noise that is left: a switch is moved by what
+the samples that it passes say, and a brief dwell is a pulse of the height that is known.
+"""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.fft import irfft
+
+from .._state import Investigation
+from ..spectrum._whiten import KERNEL, kernel_density, level, precision, shaped
+from ._one_by_one import LEAST, Edges, Seen, seen_as
+
+# Samples that a switch is moved by at once, and how often.
+_REACH, _MOVES = 16, 3
+# Samples of the longest dwell that is looked for as such.
+_BRIEF = 64
+
+
+def placed(state: Investigation, seen: Seen) -> Seen:
+    """The switches of the course that came last, each at its likeliest sample, and brief dwells."""
+    assert state.sized is not None
+    height, edges = float(state.sized.sizes[-1]), seen.edges
+    expected = level(state.left, state.variance)
+    response = np.asarray(irfft(1 / kernel_density(state.left, expected), KERNEL))
+    # Of pulses of so many samples and of one unit, by the inverse covariance.
+    pulses = np.array(
+        [n * response[0] + 2 * np.arange(n - 1, 0, -1) @ response[1:n] for n in range(1, _BRIEF)]
+    )
+    calm = state.calm + height * seen.course.draw()[:, 0]
+
+    def told(each: Edges) -> Float[np.ndarray, " ends"]:
+        """Sums of what is left of a stretch, by the inverse covariance."""
+        rest = calm[each.start : each.stop] - height * each.level
+        weights = precision(rest.size, state.left, expected)
+        return np.concatenate([[0.0], np.cumsum(shaped(rest, weights))])
+
+    for _ in range(_MOVES):
+        edges = [_moved(each, told(each), height, pulses[:_REACH]) for each in edges]
+    # As much as telling of two more switches costs.
+    least = 2 * (1 + np.log(seen.course.shape["samples"] / seen.course.shape["switches"]))
+    brief = pulses[: int(2 * seen.course.shape["unseen"]) + 1]
+    edges = [_with_brief(each, told(each), height, brief, least) for each in edges]
+    found = seen_as(state, edges) or seen
+    shown = np.flatnonzero(height**2 / 2 * pulses > least)
+    if shown.size:
+        unseen = min(found.course.shape["unseen"], float(shown[0]) + 0.5)
+        found.course.shape["unseen"] = unseen
+    return found
+
+
+def _moved(
+    edges: Edges,
+    told: Float[np.ndarray, " ends"],
+    height: float,
+    pulses: Float[np.ndarray, " lengths"],
+) -> Edges:
+    """Each switch where the record is likeliest, within reach and beside the others."""
+    moves, at = np.arange(-pulses.size, pulses.size + 1), edges.at - edges.start
+    ends = np.clip(at[:, None] + moves, 1, told.size - 2)
+    # Samples that are passed are on the other level: for an upward switch later, on the lower.
+    passed = (told[ends] - told[at][:, None]) * edges.turns[:, None]
+    gain = -height * passed - height**2 / 2 * np.concatenate([pulses[::-1], [0.0], pulses])
+    best = np.take_along_axis(ends, np.argmax(gain, axis=1)[:, None], axis=1)[:, 0]
+    # What would change places stays.
+    stays = np.diff(best, prepend=-1, append=told.size) <= 0
+    best = np.where(stays[1:] | stays[:-1], at, best)
+    return edges._replace(at=np.maximum.accumulate(best) + edges.start)
+
+
+def _with_brief(
+    edges: Edges,
+    told: Float[np.ndarray, " ends"],
+    height: float,
+    pulses: Float[np.ndarray, " lengths"],
+    least: float,
+) -> Edges:
+    """With dwells that are too brief for two steps to show, where these gain more than `least`."""
+    if edges.at.size == 0:
+        return edges
+    samples = told.size - 1
+    past = np.searchsorted(edges.at - edges.start, np.arange(samples), side="right")
+    other = 1 - 2 * edges.level
+    best, length = np.full(samples, least), np.zeros(samples, int)
+    for n, energy in enumerate(pulses, start=1):
+        first, stop = 1, samples - n
+        along = other[first:stop] * (told[first + n : stop + n] - told[first:stop])
+        gain = height * along - height**2 / 2 * energy
+        # Between two switches, and apart from both; what stands out more is no dwell but a spike.
+        better = (gain > best[first:stop]) & (past[: stop - 1] == past[first + n :])
+        better &= along < height * energy + LEAST * np.sqrt(energy)
+        best[first:stop][better] = gain[better]
+        length[first:stop][better] = n
+    at, turns, tall, heights = map(list, edges[2:])
+    taken = np.zeros(samples, bool)
+    found = np.flatnonzero(length)
+    for place in found[np.argsort(-best[found])]:
+        near = slice(place - 1, place + length[place] + 1)
+        if not taken[near].any():
+            taken[near] = True
+            at += [edges.start + place, edges.start + place + length[place]]
+            turns += [other[place], -other[place]]
+            tall += [float(np.sqrt(2 * best[place]))] * 2
+            heights += [height] * 2
+    order = np.argsort(at)
+    sorted_ones = (np.array(each)[order] for each in (at, turns, tall, heights))
+    return Edges(edges.start, edges.stop, *sorted_ones)
