@@ -273,7 +273,8 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
         seen = again
     found.gain = before - state.cost
     found.log_p = again.cost - found.gain / 2
-    return again if again.clear and found.log_p < np.log(state.alarm) else None
+    certain = again.clear and again.alike and found.log_p < np.log(state.alarm)
+    return again if certain else None
 
 
 def _take_process(state: Investigation) -> bool:

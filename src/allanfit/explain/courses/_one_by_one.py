@@ -62,9 +62,14 @@ class Seen(NamedTuple):
 
     @property
     def clear(self) -> bool:
-        """Whether nearly all switches were seen, all of one height as far as noise tells."""
+        """Whether nearly all switches were seen."""
+        return self.course.shape["clear"] >= _CLEAR
+
+    @property
+    def alike(self) -> bool:
+        """Whether all are of one height, as far as noise tells."""
         clear, spread = self.course.shape["clear"], self.course.shape["spread"]
-        return clear >= _CLEAR and spread < float(np.hypot(_ALIKE, _SCATTER / clear))
+        return spread < float(np.hypot(_ALIKE, _SCATTER / clear))
 
     def worth(self, state: Investigation) -> float:
         """By how much the record is likelier with the course than as the model has it [nats]."""

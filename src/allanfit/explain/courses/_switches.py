@@ -45,7 +45,7 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     # Beside a strong walk switches are seen one by one alone.
     seen = seen_one_by_one(state)
     worth = -np.inf if seen is None else seen.worth(state)
-    if seen is None or worth < -np.log(levels.chance):
+    if seen is None or not seen.alike or worth < -np.log(levels.chance):
         return levels
     shape, high = seen.course.shape, seen.course.draw()[start:stop, 0] > 0
     chance = float(np.exp(-min(worth, SURE)))
@@ -111,12 +111,12 @@ def quiet(
     knocks: list[tuple[int, int]],
 ) -> bool:
     """Whether nothing is loud in some times of what was made `white`, if there are any."""
+    if not knocks:
+        return True
     start, _ = whole.longest
     loud = np.zeros(white.size, bool)
     for low, high in knocks:
         loud[max(low - start, 0) : max(high - start, 0)] = True
-    if not knocks:
-        return True
     if not loud.any() or loud.all():
         return False
     return bool(np.mean(white[loud] ** 2) < _LOUD * np.mean(white[~loud] ** 2))
