@@ -130,7 +130,7 @@ def investigate(
     take_strong_lines(state)
     if about_spread(state, seed):
         state = _without_knocks(state, power, seed)
-    if _moves(state):
+    if _moves(state) and state.vibration is None:
         # What rounds would take one by one, if it is clear by now.
         whole = _joined_again(state, power)
         state = whole if _take_switches(whole, made, state.knocks, seed) else state
@@ -180,7 +180,7 @@ def _with_switches(
     anything.
     """
     named = "gauss_markov" in state.model.kinds.added
-    if state.finding("random_telegraph"):
+    if state.vibration is not None or state.finding("random_telegraph"):
         return None
     # Between them the steps of a telegraph may leave nothing of the process.
     if not named and _moves(state) < _FEWEST_SWITCHES:

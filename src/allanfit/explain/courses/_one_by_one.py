@@ -19,7 +19,7 @@ from ._scan import StepScores, step_scores
 #: Standard deviations of a step that may be a switch.
 LEAST = 4.0
 # Fewer steps in turn are steps.
-_FEWEST = 5
+_FEWEST = 8
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
 _CLEAR = 6.5
 # Their heights differ by less, as a part, with up to so many times what noise makes of them.
