@@ -1,5 +1,6 @@
 """Effects beyond the five terms: their densities against their autocovariances and closed forms."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -111,7 +112,7 @@ def autocovariance(noise, lag, sampling):
     """From the density, at a number of samples."""
 
     def wave(frequency):
-        density = np.asarray(noise.density(jnp.asarray(frequency), DT, sampling))
+        density = np.asarray(eqx.filter_jit(noise.density)(frequency, DT, sampling))
         return density * np.cos(2 * np.pi * frequency * DT * np.asarray(lag)[:, None])
 
     return band_integral(wave, *peak(noise))
@@ -217,7 +218,7 @@ def allan_variance(noise, sizes, sampling):
     """The integral of the density with the kernel of the Allan variance."""
 
     def weighted(frequency):
-        density = np.asarray(noise.density(jnp.asarray(frequency), DT, sampling))
+        density = np.asarray(eqx.filter_jit(noise.density)(frequency, DT, sampling))
         half, n = np.pi * frequency * DT, sizes[:, None]
         return density * 2 * np.sin(n * half) ** 4 / (n * np.sin(half)) ** 2
 
@@ -255,7 +256,7 @@ def test_a_first_order_filter_folds_as_its_closed_form():
         frequency = np.linspace(0, 50, 11)
         x = 2 * np.pi * cutoff * DT
         expected = x / 2 * np.sinh(x) / (np.cosh(x) - np.cos(2 * np.pi * frequency * DT))
-        found = made(LowPass, cutoff, 1.0).folded(jnp.asarray(frequency), DT)
+        found = eqx.filter_jit(made(LowPass, cutoff, 1.0).folded)(frequency, DT)
         np.testing.assert_allclose(found, expected, atol=4e-5 * (cutoff * DT) ** 2 + 1e-9)
 
 
@@ -264,13 +265,14 @@ def test_a_filter_passes_the_power_of_its_noise_bandwidth(order):
     """f_c (pi/2 m)/sin(pi/2 m), folded or not."""
     for cutoff in (4.0, 45.0, 200.0):
         low_pass = made(LowPass, cutoff, order)
-        found = band_integral(lambda f, each=low_pass: np.asarray(each.folded(jnp.asarray(f), DT)))
+        folded = eqx.filter_jit(low_pass.folded)
+        found = band_integral(lambda f, each=folded: np.asarray(each(f, DT)))
         angle = np.pi / (2 * order)
         # The rest that is integrated and not summed.
         rest = 4e-4 * order * (cutoff * DT / 16) ** (2 * order - 1)
         assert found == pytest.approx(cutoff * angle / np.sin(angle), rel=1e-7 + rest)
-        assert float(low_pass.gain(jnp.asarray(0.0), DT)) == pytest.approx(1)
-    assert float(low_pass.passed(jnp.asarray(200.0), DT)) == pytest.approx(0.5)
+        assert float(eqx.filter_jit(low_pass.gain)(jnp.asarray(0.0), DT)) == pytest.approx(1)
+    assert float(eqx.filter_jit(low_pass.passed)(jnp.asarray(200.0), DT)) == pytest.approx(0.5)
 
 
 def test_a_first_order_filter_before_an_average():
@@ -279,7 +281,7 @@ def test_a_first_order_filter_before_an_average():
     lag = np.array([0, 1, 2])
 
     def wave(frequency):
-        folded = np.asarray(low_pass.folded(jnp.asarray(frequency), DT, "averaged"))
+        folded = np.asarray(eqx.filter_jit(low_pass.folded)(frequency, DT, "averaged"))
         return 2 * DT * folded * np.cos(2 * np.pi * frequency * DT * lag[:, None])
 
     near = (1 - np.exp(-x)) ** 2 / x**2
@@ -298,7 +300,7 @@ def test_held_values_have_their_autocovariance():
         hold = made(SampleHold, repeat)
 
         def wave(frequency, hold=hold):
-            gain = np.asarray(hold.gain(jnp.asarray(frequency), DT))
+            gain = np.asarray(eqx.filter_jit(hold.gain)(frequency, DT))
             return 2 * DT * gain * np.cos(2 * np.pi * frequency * DT * lag[:, None])
 
         np.testing.assert_allclose(band_integral(wave), expected, atol=1e-8)
@@ -310,7 +312,7 @@ def test_values_held_by_a_clock_have_a_triangle_for_autocovariance(repeat):
     hold = SampleHold(jnp.asarray(repeat), regular=True)
 
     def wave(frequency):
-        gain = np.asarray(hold.gain(jnp.asarray(frequency), DT))
+        gain = np.asarray(eqx.filter_jit(hold.gain)(frequency, DT))
         return 2 * DT * gain * np.cos(2 * np.pi * frequency * DT * lag[:, None])
 
     np.testing.assert_allclose(band_integral(wave), np.maximum(1 - lag / repeat, 0), atol=1e-8)
@@ -320,15 +322,15 @@ def test_a_bump_is_where_it_is_said_to_be():
     bump = made(Bump, -1.2, 8.0, 0.4)
     at = 8.0 * np.exp([0.0, 0.4, 40.0])
     expected = np.exp(-1.2 * np.exp([0.0, -0.5, -5000]))
-    np.testing.assert_allclose(bump.gain(jnp.asarray(at), DT), expected)
-    assert bump.gain(jnp.zeros(1), DT) == 1
+    np.testing.assert_allclose(eqx.filter_jit(bump.gain)(at, DT), expected)
+    assert eqx.filter_jit(bump.gain)(jnp.zeros(1), DT) == 1
 
 
 def test_a_flat_bump_is_a_band_with_steep_flanks():
     """Within .7 widths as high as in the middle to 3 %, beyond 1.5 widths nothing."""
     bump = Bump(*map(jnp.asarray, (1.2, 8.0, 0.4)), flat=True)
     at = 8.0 * np.exp(0.4 * np.array([-1.5, -1.0, -0.7, 0.0, 0.7, 1.0, 1.5]))
-    height = np.log(np.asarray(bump.gain(jnp.asarray(at), DT))) / 1.2
+    height = np.log(np.asarray(eqx.filter_jit(bump.gain)(at, DT))) / 1.2
     np.testing.assert_allclose(height[2:5], 1.0, atol=0.03)
     np.testing.assert_allclose(height[[1, 5]], np.exp(-0.5))
     assert np.all(height[[0, 6]] < 1e-5)
@@ -340,7 +342,7 @@ def test_a_high_pass_is_a_butterworth_filter(order):
     numerator, denominator = butter(order, 2 * np.pi * 0.5, "high", analog=True)
     _, expected = freqs(numerator, denominator, 2 * np.pi * frequency)
     bump = Bump(*map(jnp.asarray, (0.0, 0.5, 1 / (2 * order))), high_pass=True)
-    gain = np.asarray(bump.gain(jnp.asarray(frequency), DT))
+    gain = np.asarray(eqx.filter_jit(bump.gain)(frequency, DT))
     np.testing.assert_allclose(gain, np.abs(expected) ** 2, rtol=1e-6)
 
 
@@ -348,9 +350,9 @@ def test_a_high_pass_is_a_butterworth_filter(order):
 @each_noise
 def test_a_density_in_single_precision(noise, sampling):
     frequency = np.array([1e-3, 0.011, 0.9, 6.0, 13.0, 31.0, 50.0])
-    exact = noise.density(jnp.asarray(frequency), DT, sampling)
+    exact = eqx.filter_jit(noise.density)(frequency, DT, sampling)
     single = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), noise)
-    found = single.density(jnp.asarray(frequency, jnp.float32), DT, sampling)
+    found = eqx.filter_jit(single.density)(frequency.astype(np.float32), DT, sampling)
     assert found.dtype == jnp.float32
     # Far from a line nothing is left in single precision.
     np.testing.assert_allclose(found, exact, rtol=3e-4, atol=1e-20)
