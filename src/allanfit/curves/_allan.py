@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -200,6 +201,7 @@ def _running_sum(x: Float[Array, " samples"]) -> Float[Array, " samples"]:
     return (within + before[:, None]).reshape(-1)[: x.shape[0]]
 
 
+@partial(jax.jit, static_argnums=1)
 def _cluster(x: Float[Array, " samples"], n: int) -> Float[Array, ""]:
     """The cluster estimator, last partial cluster included with the mean of what it has."""
     samples = x.shape[0]
