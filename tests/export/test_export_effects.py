@@ -3,7 +3,6 @@
 import json
 import math
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -271,8 +270,7 @@ def test_effects_act_in_the_order_of_a_sensor():
 def test_a_filter_smooths_noise_and_leaves_the_ramp():
     low_pass = LowPass(jnp.asarray(1.0), jnp.asarray(2.0))
     model = standard_model({"N": 1e-6, "R": 1.0})
-    draw = eqx.filter_jit(draw_recording)
-    drawn = draw(jax.random.key(6), model, (low_pass,), 1000, 0.01, "point")
+    drawn = draw_recording(jax.random.key(6), model, (low_pass,), 1000, 0.01, "point")
     np.testing.assert_allclose(drawn, 0.01 * np.arange(1000), atol=1e-5)
 
 
@@ -288,8 +286,8 @@ def test_effects_in_another_unit():
         "sample_hold": {"repeat": 3},
     }.items():
         effect, key = effect_from(name, parameters), jax.random.key(8)
-        once = eqx.filter_jit(effect.apply)(key, samples, 0.01, "point")
-        many = eqx.filter_jit(scaled(effect, 40.0).apply)(key, 40 * samples, 0.01, "point")
+        once = effect.apply(key, samples, 0.01, "point")
+        many = scaled(effect, 40.0).apply(key, 40 * samples, 0.01, "point")
         np.testing.assert_allclose(many, 40 * once, rtol=1e-10, atol=1e-10)
     units = {
         (name, each.name): parameter_unit(each, "deg/s")
