@@ -18,10 +18,8 @@ from ..recording._checks import usable
 from ._chance import log_chance
 from ._intervals import cut_out, joined
 from ._refit import (
-    add_course,
     drop_courses,
     evidence,
-    exchange_course,
     finer_edges,
     go_back,
     refit,
@@ -32,17 +30,15 @@ from ._rounds import (
     LEEWAY,
     LINE_ALARM,
     TWO,
-    smooth_options,
     take_one,
     take_strong_lines,
 )
-from ._state import Finding, Investigation, begin, whitened_piece
+from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
-from .courses._one_by_one import Seen, seen_again, seen_one_by_one
 from .courses._rectified import steps_while_loud
-from .courses._switch_times import placed
-from .courses._switches import of_switches, quiet, without_switches
+from .courses._switches import of_switches, without_switches
+from .courses._taken_switches import take_process, take_switches, without_spikes
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
 from .spectrum import _search
@@ -50,10 +46,9 @@ from .spectrum._leakage import take_bump
 from .spectrum._narrow import narrow_noises
 from .strength._knocks import moved_while_loud
 from .strength._lasting import about_spread, loudness
-from .values._alone import read_again
 from .values._clock import fresh_values
 from .values._format import stuck
-from .values._held_out import Gain, of_events
+from .values._held_out import of_events
 from .values._losses import count_losses_out
 from .values._rounded import about_angle, about_format, name_fine_codes
 
@@ -65,8 +60,6 @@ _MOST_ROUNDS = 10
 _MOST_CUTS = 3
 # So many knocks, steps and outliers are asked whether they are switches of a process not found yet.
 _FEWEST_SWITCHES = 2
-# Their noise is looked at so many times.
-_MOST_LOOKS = 4
 # What stays found when times are cut out.
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
@@ -133,7 +126,7 @@ def investigate(
     if _moves(state) and state.vibration is None:
         # What rounds would take one by one, if it is clear by now.
         whole = _joined_again(state, power)
-        state = whole if _take_switches(whole, made, state.knocks, seed) else state
+        state = whole if take_switches(whole, made, state.knocks, seed) else state
     _take_all(state, drivers)
     if moved_while_loud(state) or rang_once(state):
         state = _without_knocks(state, power, seed)
@@ -186,16 +179,16 @@ def _with_switches(
     if not named and _moves(state) < _FEWEST_SWITCHES:
         return None
     whole = _joined_again(state, power)
-    if _take_switches(whole, made, state.knocks, seed):
+    if take_switches(whole, made, state.knocks, seed):
         return whole
-    if _moves(state) == 0 or not (named or _take_process(whole)):
+    if _moves(state) == 0 or not (named or take_process(whole)):
         return None
     white = without_switches(state, whole, seed)
     if white is None:
         return None
     if state.contamination is not None:
         if of_switches(state.contamination, white, seed):
-            _without_spikes(whole, made)
+            without_spikes(whole, made)
         elif _moves(state) == 1:
             return None
     whole.switching = True
@@ -219,82 +212,6 @@ def _joined_again(state: Investigation, power: Float[np.ndarray, " terms"]) -> I
     whole.peaks, whole.model = state.peaks, state.model
     finer_edges(whole)
     return whole
-
-
-def _take_switches(
-    state: Investigation, made: Investigation, knocks: list[tuple[int, int]], seed: int
-) -> bool:
-    """Take switches that are seen one by one, if they are; says whether they were.
-
-    Nothing of `knocks` may be left without them. Spikes are told again beside them.
-    """
-    take_strong_lines(state)
-    kept = remembered(state)
-    seen = _switch_by_switch(state)
-    if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
-        state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
-        found = state.findings[-1]
-        state.witness(
-            "two levels",
-            seen.count,
-            float(np.exp(found.log_p)),
-            "Switches between two levels seen one by one, against a process that wanders.",
-        )
-        _without_spikes(state, made)
-        exchange_course(state, placed(state, seen).course)
-        about_spread(state, seed, may_cut=False)
-        return True
-    go_back(state, kept)
-    return False
-
-
-def _switch_by_switch(state: Investigation) -> Seen | None:
-    """Take switches that are likelier than a process that wanders; says which, if there are."""
-    seen = seen_one_by_one(state)
-    if seen is None or seen.worth(state) < -np.log(state.alarm):
-        return None
-    names = state.model.kinds.names
-    if "gauss_markov" not in names and _take_process(state):
-        names = state.model.kinds.names
-    before = state.cost
-    if "gauss_markov" in names:
-        state.findings = [each for each in state.findings if each.name != "gauss_markov"]
-        state.model = _search.without(state.model, names.index("gauss_markov"))
-    found = Finding(seen.course.name, 0.0, 0.0)
-    add_course(state, seen.course, found)
-    for _ in range(_MOST_LOOKS):
-        again = seen_again(state, seen)
-        if again is None:
-            return None
-        exchange_course(state, again.course)
-        # Each that is seen leaves less noise to the others.
-        if again.count <= seen.count:
-            break
-        seen = again
-    found.gain = before - state.cost
-    found.log_p = again.cost - found.gain / 2
-    certain = again.clear and again.alike and found.log_p < np.log(state.alarm)
-    return again if certain else None
-
-
-def _take_process(state: Investigation) -> bool:
-    """Take a Gauss-Markov process, if there is one; says whether there was."""
-    found = [each for each in smooth_options(state) if each.name == "gauss_markov"]
-    best = min(found, key=lambda option: option.log_p, default=None)
-    if best is None or best.log_p >= np.log(state.alarm):
-        return False
-    best.take({each.name: each.score for each in found})
-    return True
-
-
-def _without_spikes(state: Investigation, made: Investigation) -> None:
-    """Spikes that were none are among the values again, as these were `made`."""
-    state.values, state.contamination = made.values, None
-    state.foreign, state.unseen = made.foreign, made.unseen
-    state.findings = [each for each in state.findings if each.name != "outliers"]
-    state.gains.pop("outliers", None)
-    read_again(state)
-    refit(state)
 
 
 def _begin_again(

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.optimize import brentq
 
 from .._refit import evidence
 from .._state import Investigation
@@ -137,23 +136,7 @@ def seen_as(state: Investigation, edges: list[Edges]) -> Seen | None:
         "upper": sum(float(each.level.sum()) for each in told) / samples,
         "clear": clear,
         "spread": float(1.4826 * np.median(np.abs(heights - middle)) / middle),
-        "unseen": _shortest_seen(state, clear),
     }
     course = Course("random_telegraph", lambda: path[:, None], 1, shape)
     cost = tall.size * (1 + np.log(samples / tall.size)) + np.log(samples) / 2
     return Seen(course, edges, float(cost))
-
-
-def _shortest_seen(state: Investigation, clear: float) -> float:
-    """Samples between two switches that are both seen: nearer ones cancel in the filter."""
-    frequency = state.left.frequency
-    energy = 1 / (np.sin(np.pi * frequency) ** 2 * state.variance)
-    energy /= energy.sum()
-
-    def alike(samples: float) -> float:
-        return float(energy @ np.cos(2 * np.pi * frequency * samples)) - (1 - LEAST / clear)
-
-    longest = 1.0
-    while alike(longest) > 0 and longest < state.left.longest:
-        longest *= 2
-    return float(np.asarray(brentq(alike, 0.0, longest))) if alike(longest) < 0 else longest

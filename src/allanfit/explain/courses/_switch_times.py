@@ -7,6 +7,7 @@ the samples that it passes say, and a brief dwell is a pulse of the height that 
 import numpy as np
 from jaxtyping import Float
 from scipy.fft import irfft
+from scipy.optimize import brentq
 
 from .._state import Investigation
 from ..spectrum._whiten import KERNEL, kernel_density, level, precision, shaped
@@ -40,13 +41,13 @@ def placed(state: Investigation, seen: Seen) -> Seen:
         edges = [_moved(each, told(each), height, pulses[:_REACH]) for each in edges]
     # As much as telling of two more switches costs.
     least = 2 * (1 + np.log(seen.course.shape["samples"] / seen.course.shape["switches"]))
-    brief = pulses[: int(2 * seen.course.shape["unseen"]) + 1]
+    unseen = _shortest_seen(state, seen.course.shape["clear"])
+    brief = pulses[: int(2 * unseen) + 1]
     edges = [_with_brief(each, told(each), height, brief, least) for each in edges]
     found = seen_as(state, edges) or seen
     shown = np.flatnonzero(height**2 / 2 * pulses > least)
-    if shown.size:
-        unseen = min(found.course.shape["unseen"], float(shown[0]) + 0.5)
-        found.course.shape["unseen"] = unseen
+    # Needed of the last course alone: how long levels last depends on it.
+    found.course.shape["unseen"] = min([unseen, *(shown[:1] + 0.5)])
     return found
 
 
@@ -106,3 +107,18 @@ def _with_brief(
     order = np.argsort(at)
     sorted_ones = (np.array(each)[order] for each in (at, turns, tall, heights))
     return Edges(edges.start, edges.stop, *sorted_ones)
+
+
+def _shortest_seen(state: Investigation, clear: float) -> float:
+    """Samples between two switches that are both seen: nearer ones cancel in the filter."""
+    frequency = state.left.frequency
+    energy = 1 / (np.sin(np.pi * frequency) ** 2 * state.variance)
+    energy /= energy.sum()
+
+    def alike(samples: float) -> float:
+        return float(energy @ np.cos(2 * np.pi * frequency * samples)) - (1 - LEAST / clear)
+
+    longest = 1.0
+    while alike(longest) > 0 and longest < state.left.longest:
+        longest *= 2
+    return float(np.asarray(brentq(alike, 0.0, longest))) if alike(longest) < 0 else longest

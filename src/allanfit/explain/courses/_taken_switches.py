@@ -1,0 +1,93 @@
+"""Taking the switches of a telegraph: what goes with them, and what is told again beside them."""
+
+import numpy as np
+
+from .._refit import add_course, exchange_course, go_back, refit, remembered
+from .._rounds import smooth_options, take_strong_lines
+from .._state import Finding, Investigation, whitened_piece
+from ..spectrum import _search
+from ..strength._lasting import about_spread
+from ..values._alone import read_again
+from ..values._held_out import Gain
+from ._one_by_one import Seen, seen_again, seen_one_by_one
+from ._switch_times import placed
+from ._switches import quiet
+
+# The noise that switches leave is looked at so many times.
+_MOST_LOOKS = 4
+
+
+def take_switches(
+    state: Investigation, made: Investigation, knocks: list[tuple[int, int]], seed: int
+) -> bool:
+    """Take switches that are seen one by one, if they are; says whether they were.
+
+    Nothing of `knocks` may be left without them. Spikes are told again beside them.
+    """
+    take_strong_lines(state)
+    kept = remembered(state)
+    seen = _switch_by_switch(state)
+    if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
+        state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
+        found = state.findings[-1]
+        state.witness(
+            "two levels",
+            seen.count,
+            float(np.exp(found.log_p)),
+            "Switches between two levels seen one by one, against a process that wanders.",
+        )
+        without_spikes(state, made)
+        exchange_course(state, placed(state, seen).course)
+        about_spread(state, seed, may_cut=False)
+        return True
+    go_back(state, kept)
+    return False
+
+
+def _switch_by_switch(state: Investigation) -> Seen | None:
+    """Take switches that are likelier than a process that wanders; says which, if there are."""
+    seen = seen_one_by_one(state)
+    if seen is None or seen.worth(state) < -np.log(state.alarm):
+        return None
+    names = state.model.kinds.names
+    if "gauss_markov" not in names and take_process(state):
+        names = state.model.kinds.names
+    before = state.cost
+    if "gauss_markov" in names:
+        state.findings = [each for each in state.findings if each.name != "gauss_markov"]
+        state.model = _search.without(state.model, names.index("gauss_markov"))
+    found = Finding(seen.course.name, 0.0, 0.0)
+    add_course(state, seen.course, found)
+    for _ in range(_MOST_LOOKS):
+        again = seen_again(state, seen)
+        if again is None:
+            return None
+        exchange_course(state, again.course)
+        # Each that is seen leaves less noise to the others.
+        if again.count <= seen.count:
+            break
+        seen = again
+    found.gain = before - state.cost
+    found.log_p = again.cost - found.gain / 2
+    certain = again.clear and again.alike and found.log_p < np.log(state.alarm)
+    return again if certain else None
+
+
+def take_process(state: Investigation) -> bool:
+    """Take a Gauss-Markov process, if there is one; says whether there was."""
+    found = [each for each in smooth_options(state) if each.name == "gauss_markov"]
+    best = min(found, key=lambda option: option.log_p, default=None)
+    if best is None or best.log_p >= np.log(state.alarm):
+        return False
+    best.take({each.name: each.score for each in found})
+    return True
+
+
+def without_spikes(state: Investigation, made: Investigation) -> None:
+    """Spikes that were none are among the values again, as these were `made`."""
+    state.values, state.contamination = made.values, None
+    state.foreign, state.unseen = made.foreign, made.unseen
+    state.findings = [each for each in state.findings if each.name != "outliers"]
+    state.gains.pop("outliers", None)
+    read_again(state)
+    refit(state)
