@@ -1,6 +1,7 @@
 """An array in, coefficients with intervals out."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -18,6 +19,8 @@ from ._estimate import Estimate, estimate
 
 # N is wrong at first where errors at the ends rule, and hardly changes from the second time on.
 PASSES = 2
+# The part of the posterior that stands for the absence of a noise that is not resolved.
+_SMALLEST = 1 / 3
 
 
 class Fit(eqx.Module):
@@ -62,8 +65,8 @@ class Fit(eqx.Module):
 
     @property
     def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
-        """One-sided 95 % limits."""
-        (limits,) = _quantiles(self.estimate.draws, 0.95)
+        """One-sided 95 % limits, widened as intervals are."""
+        _, (limits,) = _bounds(self.estimate.draws, self.estimate.resolved, (0.95,))
         return _by_symbol(limits)
 
     @property
@@ -79,6 +82,10 @@ class Fit(eqx.Module):
     def interval(self, probability: float) -> dict[str, Float[Array, "*sensors 2"]]:
         """Equal-tailed intervals; those of unresolved terms are extended down to zero.
 
+        A noise that is not resolved may be absent, or as large as it can be unseen, and its
+        neighbours are larger or smaller by what it takes. An interval covers both: it is
+        joined with that of the third of the posterior in which each such noise is smallest.
+
         **Raises:** `ValueError` for a probability that is not between 0 and 1.
         """
         if not 0 < probability < 1:
@@ -86,8 +93,9 @@ class Fit(eqx.Module):
                 f"the probability of an interval is between 0 and 1, as 0.95; got {probability}"
             )
         tail = (1 - probability) / 2
-        low, high = _quantiles(self.estimate.draws, tail, 1 - tail)
-        low = jnp.where(self.estimate.resolved, low, 0.0)
+        resolved = self.estimate.resolved
+        (low, _), (_, high) = _bounds(self.estimate.draws, resolved, (tail, 1 - tail))
+        low = jnp.where(resolved, low, 0.0)
         return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
     def to_dict(self, channel: str = "data", unit: str = "") -> dict[str, Any]:
@@ -213,24 +221,49 @@ def _medians(
     (middle,), draws, q = _quantiles(draws, 0.5), jnp.abs(draws), SYMBOLS.index("Q")
     smaller = draws[..., q] <= middle[..., q, None]
     used = (resolved[..., q, None] | smaller)[..., None]
-    ordered = _ordered(jnp.where(used, draws, jnp.inf))
-    last = jnp.sum(used, axis=-2, keepdims=True) - 1
-    below = jnp.take_along_axis(ordered, last // 2, axis=-2)
-    above = jnp.take_along_axis(ordered, (last + 1) // 2, axis=-2)
-    return ((below + above) / 2)[..., 0, :].at[..., q].set(middle[..., q])
+    (found,) = _quantiles(draws, 0.5, used=used)
+    return found.at[..., q].set(middle[..., q])
+
+
+@partial(jax.jit, static_argnums=2)
+def _bounds(
+    draws: Float[Array, "*sensors draws terms"],
+    resolved: Bool[Array, "*sensors terms"],
+    probabilities: tuple[float, ...],
+) -> tuple[list[Float[Array, "*sensors terms"]], list[Float[Array, "*sensors terms"]]]:
+    """The least and the largest quantiles, whether noises that are not resolved exist or not."""
+    (small, *whole), draws = _quantiles(draws, _SMALLEST, *probabilities), jnp.abs(draws)
+    absent = resolved[..., None, :] | (draws <= small[..., None, :])
+    # What drives a ramp is no noise.
+    absent = absent.at[..., SYMBOLS.index("R")].set(True)
+    # All others are: a term is not asked of itself.
+    present = jnp.sum(~absent, axis=-1, keepdims=True)
+    used = present - ~absent == 0
+    some = jnp.any(used, axis=-2)
+    part = _quantiles(draws, *probabilities, used=used)
+    low = [jnp.where(some, jnp.minimum(*pair), pair[0]) for pair in zip(whole, part, strict=True)]
+    high = [jnp.where(some, jnp.maximum(*pair), pair[0]) for pair in zip(whole, part, strict=True)]
+    return low, high
 
 
 def _quantiles(
-    draws: Float[Array, "*sensors draws terms"], *probabilities: float
+    draws: Float[Array, "*sensors draws terms"],
+    *probabilities: float,
+    used: bool | Bool[Array, "*sensors draws #terms"] = True,
 ) -> list[Float[Array, "*sensors terms"]]:
+    """Quantiles of the draws that are used."""
     # The ramp's sign says which way the mean drifts, its size how much.
-    ordered = _ordered(jnp.abs(draws))
+    draws = jnp.abs(draws)
+    used = jnp.broadcast_to(used, draws.shape)
+    ordered = _ordered(jnp.where(used, draws, jnp.inf))
+    last = jnp.sum(used, axis=-2, keepdims=True) - 1
     found = []
     for probability in probabilities:
-        below, part = divmod(probability * (ordered.shape[-2] - 1), 1)
-        above = min(int(below) + 1, ordered.shape[-2] - 1)
-        low, high = ordered[..., int(below), :], ordered[..., above, :]
-        found.append(low + part * (high - low))
+        place = probability * last
+        below = place.astype(int)
+        low = jnp.take_along_axis(ordered, below, axis=-2)
+        high = jnp.take_along_axis(ordered, jnp.minimum(below + 1, last), axis=-2)
+        found.append((low + (place - below) * (high - low))[..., 0, :])
     return found
 
 
