@@ -59,6 +59,8 @@ SCENARIOS = {
     ),
     "no white noise, 1 h": (3600, 20, {"Q": 3e-4, "B": 2e-3, "K": 2e-4}, {}),
     "no flicker, 1 h": (3600, 50, {"N": 5e-3, "K": 2e-4}, {}),
+    # What the states of most filters say, with a walk so strong that flicker would hide in it.
+    "white noise on a strong walk, 20 min": (1200, 50, {"N": 5e-3, "K": 2.5e-2}, {}),
     "no walk, 1 h": (3600, 50, {"N": 5e-3, "B": 2e-3}, {}),
     "white noise only, 10 min": (600, 50, {"N": 5e-3}, {}),
     "ramp without walk, 1 h": (3600, 50, {"N": 5e-3, "B": 1e-3, "R": 1e-5}, {}),
