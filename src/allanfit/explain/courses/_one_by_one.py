@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 from .._refit import evidence
 from .._state import Investigation
 from ._course import Course
-from ._scan import StepScores, step_scores
+from ._step_scores import StepScores, step_scores
 
 #: Standard deviations of a step that may be a switch.
 LEAST = 4.0

@@ -13,7 +13,7 @@ from ..strength._lasting import loudness, move_loud_times
 from ..strength._modulation import Modulation
 from . import _course
 from ._course import Course
-from ._scan import sharpened
+from ._edges import sharpened
 from ._sums import Summing
 
 # Periods in the record from one place of the scan for slow oscillations to the next.
