@@ -231,14 +231,13 @@ def _bounds(
     resolved: Bool[Array, "*sensors terms"],
     probabilities: tuple[float, ...],
 ) -> tuple[list[Float[Array, "*sensors terms"]], list[Float[Array, "*sensors terms"]]]:
-    """The least and the largest quantiles, whether noises that are not resolved exist or not."""
+    """The least and the largest quantiles, with noises that are not resolved and without them."""
     (small, *whole), draws = _quantiles(draws, _SMALLEST, *probabilities), jnp.abs(draws)
-    absent = resolved[..., None, :] | (draws <= small[..., None, :])
-    # What drives a ramp is no noise.
-    absent = absent.at[..., SYMBOLS.index("R")].set(True)
-    # All others are: a term is not asked of itself.
-    present = jnp.sum(~absent, axis=-1, keepdims=True)
-    used = present - ~absent == 0
+    larger = ~resolved[..., None, :] & (draws > small[..., None, :])
+    # A ramp takes nothing from the noise.
+    larger = larger.at[..., SYMBOLS.index("R")].set(False)
+    # A term is not asked to be small itself.
+    used = jnp.sum(larger, axis=-1, keepdims=True) - larger == 0
     some = jnp.any(used, axis=-2)
     part = _quantiles(draws, *probabilities, used=used)
     low = [jnp.where(some, jnp.minimum(*pair), pair[0]) for pair in zip(whole, part, strict=True)]
