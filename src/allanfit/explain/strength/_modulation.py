@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
-from scipy.fft import irfft, next_fast_len, rfft
+from scipy.fft import dct, irfft, next_fast_len, rfft
 from scipy.stats import chi2, f
 
 from ._varying import varying
@@ -17,8 +17,8 @@ from ._varying import varying
 PULLED_IN = 4.0
 _SHORTEST_WINDOW = 32
 _FEWEST_WINDOWS = 8
-# Windows from this length on are compared with neighbouring short ones, unless the sum of squared
-# correlations is more than this.
+# Orders as slow as windows of this length are compared with how neighbouring short windows differ,
+# unless the sum of squared correlations is more than this.
 _LONG_WINDOW, _UNCORRELATED = 16 * _SHORTEST_WINDOW, 0.01
 # Samples apart up to which the whitened record may be correlated.
 _LAGS = 1024
@@ -102,37 +102,41 @@ def local_power(white: Float[np.ndarray, " samples"], window: int) -> Float[np.n
 
 
 def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
-    """The chance that windowed variances differ as they do, and the window that says so best.
+    """The chance that squares vary as they do, and the window that is as slow as they say best.
 
     Last, the variance of the mean square of so many samples, times their number.
 
-    For independent samples the mean squares of W windows of m samples scatter with the variance of
-    one square over m, whatever the distribution: their sum of squares is chi-square with W - 1
-    degrees of freedom. Windows double in length; Bonferroni over them.
+    For independent samples the mean squares of short windows of m samples scatter with the variance
+    of one square over m, whatever the distribution. So does each order of their cosine transform:
+    the squares of the first J are chi-square with J degrees of freedom. Louder times that last are
+    in few orders, wherever they begin, while windows as long as they would mix them with quiet
+    ones. J doubles; Bonferroni over it.
 
     Where whitening left a correlation r_k, as beside the zeros of a filter, squares of normal
     samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more. Uncorrelated samples
     that are not normal, such as rounded angles made white, have squares that are correlated with
-    their neighbours. Long windows are therefore compared with how neighbouring short ones differ.
+    their neighbours. Low orders are therefore compared with how neighbouring windows differ.
     """
     if not white.any():
         return 1.0, _SHORTEST_WINDOW, 1.0
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     correlation = _squared_correlation(white)
     one = float(np.var(squares)) * (1 + 2 * correlation)
-    steps = np.diff(local_power(white, _SHORTEST_WINDOW))
+    power = local_power(white, _SHORTEST_WINDOW)
+    steps = np.diff(power)
     # Of differences of neighbours, each in two of them, two thirds are degrees of freedom.
     measured, freedom = float(np.mean(steps**2)) / 2 * _SHORTEST_WINDOW, 2 * steps.size / 3
     plain = correlation < _UNCORRELATED
+    orders = np.asarray(dct(power - power.mean(), norm="ortho"))[1:]
+    scatter = _SHORTEST_WINDOW * np.cumsum(orders**2)
     best, at, levels = 1.0, _SHORTEST_WINDOW, 0
     window = _SHORTEST_WINDOW
     while white.size // window >= _FEWEST_WINDOWS:
-        power = local_power(white, window)
-        scatter = float(np.var(power, ddof=1)) * window
+        first = min(white.size // window, power.size) - 1
         if window >= _LONG_WINDOW and plain:
-            chance = float(f.sf(scatter / measured, power.size - 1, freedom))
+            chance = float(f.sf(scatter[first - 1] / first / measured, first, freedom))
         else:
-            chance = float(chi2.sf(scatter / one * (power.size - 1), power.size - 1))
+            chance = float(chi2.sf(scatter[first - 1] / one, first))
         levels += 1
         if chance < best:
             best, at = chance, window
