@@ -132,7 +132,7 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     best, at, levels = 1.0, _SHORTEST_WINDOW, 0
     window = _SHORTEST_WINDOW
     while white.size // window >= _FEWEST_WINDOWS:
-        first = min(white.size // window, power.size) - 1
+        first = white.size // window - 1
         if window >= _LONG_WINDOW and plain:
             chance = float(f.sf(scatter[first - 1] / first / measured, first, freedom))
         else:
