@@ -110,7 +110,7 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     of one square over m, whatever the distribution. So does each order of their cosine transform:
     the squares of the first J are chi-square with J degrees of freedom. Louder times that last are
     in few orders, wherever they begin, while windows as long as they would mix them with quiet
-    ones. J doubles; Bonferroni over it.
+    ones. J is halved; Bonferroni over it.
 
     Where whitening left a correlation r_k, as beside the zeros of a filter, squares of normal
     samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more. Uncorrelated samples
@@ -122,6 +122,8 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     correlation = _squared_correlation(white)
     one = float(np.var(squares)) * (1 + 2 * correlation)
+    if white.size < _FEWEST_WINDOWS * _SHORTEST_WINDOW:
+        return 1.0, _SHORTEST_WINDOW, one
     power = local_power(white, _SHORTEST_WINDOW)
     steps = np.diff(power)
     # Of differences of neighbours, each in two of them, two thirds are degrees of freedom.
@@ -141,7 +143,7 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
         if chance < best:
             best, at = chance, window
         window *= 2
-    return min(1.0, best * max(levels, 1)), at, measured if plain else one
+    return min(1.0, best * levels), at, measured if plain else one
 
 
 def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
