@@ -46,7 +46,7 @@ class Blocks(NamedTuple):
             at = orders / (2 * means.size * self.size)
             weight = np.interp(at, spectrum.frequency, variance) / 2
             amplitude, ramp = (
-                cosine_coefficients(each, scale, orders)
+                block_coefficients(each, scale, orders)
                 for each in (means, time[first : first + means.size])
             )
             stretches.append(Stretch(amplitude, ramp, weight, scale, orders, means.size))
@@ -94,7 +94,7 @@ class Stretch(NamedTuple):
     ) -> Float[np.ndarray, "orders columns"]:
         """Some columns in white noise, at right angles to the ramp."""
         root = np.sqrt(self.variance)
-        moved = cosine_coefficients(columns, self.scale, self.orders) / root[:, None]
+        moved = block_coefficients(columns, self.scale, self.orders) / root[:, None]
         ramp = self.ramp / root
         return moved - np.outer(ramp, ramp @ moved) / (ramp @ ramp)
 
@@ -112,6 +112,8 @@ class Stretch(NamedTuple):
 
 
 class Scan(NamedTuple):
+    """What columns of numbers gain in the noise of a record, its ramps beside them."""
+
     blocks: Blocks
     stretches: list[Stretch]
 
@@ -135,7 +137,7 @@ class Scan(NamedTuple):
         return np.linalg.qr(np.concatenate(beside))[0]
 
 
-def cosine_coefficients(
+def block_coefficients(
     columns: Float[np.ndarray, "blocks *columns"], scale: float, orders: np.ndarray
 ) -> Float[np.ndarray, "orders *columns"]:
     """Cosine coefficients of means, as those of samples."""
@@ -144,4 +146,5 @@ def cosine_coefficients(
 
 
 def length_of(piece: tuple[int, int]) -> int:
+    """Samples of a stretch, given where it begins and ends."""
     return piece[1] - piece[0]

@@ -9,7 +9,7 @@ from .._chance import course_log_chance
 from ..spectrum._ordinates import Ordinates
 from ..spectrum._search import Model
 from ..spectrum._structure import Data
-from ._blocks import FINE_BLOCKS, Scan, Stretch, blocks_of, cosine_coefficients, length_of
+from ._blocks import FINE_BLOCKS, Scan, Stretch, block_coefficients, blocks_of, length_of
 from ._course import Course, late, ordinate_variance, oscillation, step, warm_up
 from ._step_scores import step_sums
 
@@ -109,7 +109,7 @@ def _slow_waves(count: int, part: float, waves: int) -> Float[np.ndarray, "waves
     periods = (_FEWEST_PERIODS + 0.25 * np.arange(waves)) * part
     angle = 2 * np.pi * periods[:, None] * (np.arange(count) + 0.5) / count
     columns = np.stack([np.cos(angle), np.sin(angle)], axis=1).reshape(-1, count)
-    found = cosine_coefficients(columns.T, 1.0, np.arange(1, max(count // 2, 2)))
+    found = block_coefficients(columns.T, 1.0, np.arange(1, max(count // 2, 2)))
     return np.ascontiguousarray(found.T).reshape(len(periods), 2, -1)
 
 
