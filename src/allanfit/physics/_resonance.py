@@ -56,23 +56,20 @@ class Resonance(AbstractAddedNoise):
                 _folded(frequency, slow, self.quality_factor, dt),
                 _averaged_atom(frequency, fast, self.quality_factor, dt),
             )
-        motion = _motion(self.frequency, self.quality_factor, dt)
-        damping, turn = motion.damping, motion.turn
-        sine = jnp.sin(jnp.pi * frequency * dt) ** 2
+        damping, turn = _motion(self.frequency, self.quality_factor, dt)
         # Everything hyperbolic is times exp(-damping).
-        decay = jnp.exp(-damping)
-        hyperbolic_sine = -jnp.expm1(-2 * damping) / 2
-        half_sine = jnp.expm1(-damping) ** 2 / 4
-        cosine, sinc = jnp.cos(turn), jnp.sinc(turn / jnp.pi)
+        gone = -jnp.expm1(-damping)
+        decay, hyperbolic_sine, half_sine = 1 - gone, gone * (2 - gone) / 2, gone**2 / 4
+        half_turn, half = _Angle.of(turn / 2), _Angle.of(jnp.pi * frequency * dt)
+        twice = half_turn.doubled()
+        sinc = jnp.where(turn > 0, twice.sine / jnp.where(turn > 0, turn, 1.0), 1.0)
         level = hyperbolic_sine + decay * damping * sinc
-        level *= 2 * (half_sine + decay * jnp.sin(turn / 2) ** 2)
-        slope = hyperbolic_sine * _lag(-(turn**2), jnp.ones_like(damping))
-        slope -= damping * sinc * _lag(damping**2, decay)
-        half = jnp.pi * frequency * dt
-        real = 2 * decay * jnp.sin(half - turn / 2) * jnp.sin(half + turn / 2)
-        real += 2 * half_sine * cosine
-        imaginary = hyperbolic_sine * jnp.sin(turn)
-        ratio = (level + 2 * sine * decay * slope) / (real**2 + imaginary**2)
+        level *= 2 * (half_sine + decay * half_turn.sine**2)
+        slope = hyperbolic_sine * _lag(-(turn**2), jnp.ones_like(damping), twice.cosine - sinc)
+        slope -= damping * sinc * _lag(damping**2, decay, _hyperbolic_lag(damping, decay))
+        real = 2 * decay * _less_square(half, half_turn) + 2 * half_sine * twice.cosine
+        imaginary = hyperbolic_sine * twice.sine
+        ratio = (level + 2 * half.sine**2 * decay * slope) / (real**2 + imaginary**2)
         return 2 * dt * self.sigma**2 * ratio
 
     def sample(
@@ -134,22 +131,46 @@ def _motion(
     return _Motion(omega * zeta, omega * jnp.sqrt(turning))
 
 
-def _lag(square: Float[Array, ""], decay: Float[Array, ""]) -> Float[Array, ""]:
+class _Angle(NamedTuple):
+    """Sine and cosine of an angle: those of sums and doubles follow without others."""
+
+    sine: Float[Array, "*shape"]
+    cosine: Float[Array, "*shape"]
+
+    @staticmethod
+    def of(angle: Float[Array, "*shape"]) -> "_Angle":
+        return _Angle(jnp.sin(angle), jnp.cos(angle))
+
+    def doubled(self) -> "_Angle":
+        return _Angle(2 * self.sine * self.cosine, 1 - 2 * self.sine**2)
+
+
+def _less_square(one: _Angle, other: _Angle) -> Float[Array, "*shape"]:
+    """sin^2 of one less that of another, by the function that is steeper there."""
+    steep = one.cosine < one.sine
+    first = jnp.where(steep, other.cosine, one.sine)
+    second = jnp.where(steep, one.cosine, other.sine)
+    return (first - second) * (first + second)
+
+
+def _lag(
+    square: Float[Array, ""], decay: Float[Array, ""], closed: Float[Array, ""]
+) -> Float[Array, ""]:
     """`decay` times cosh(x) - sinh(x)/x, x^2 = `square`; cos and sinc for a negative square.
 
     `decay` is exp(-x) for a positive square, so that nothing overflows. The series, the sum of
-    2 k x^(2 k)/(2 k + 1)!, takes over where the difference cancels.
+    2 k x^(2 k)/(2 k + 1)!, takes over where the difference, `closed`, cancels.
     """
     order = np.arange(1, 9)
     factor = 2 * order / np.cumprod((2.0 * order) * (2 * order + 1))
     small = jnp.clip(square, -1.0, 1.0)
     series = decay * jnp.polyval(jnp.asarray([*factor[::-1], 0.0], small.dtype), small)
-    x = jnp.sqrt(jnp.maximum(jnp.abs(square), 1.0))
-    trigonometric = jnp.cos(x) - jnp.sin(x) / x
-    gone = jnp.exp(-2 * x)
-    hyperbolic = (1 + gone) / 2 - (1 - gone) / (2 * x)
-    closed = jnp.where(square < 0, trigonometric, hyperbolic)
     return jnp.where(jnp.abs(square) < 1, series, closed)
+
+
+def _hyperbolic_lag(x: Float[Array, ""], decay: Float[Array, ""]) -> Float[Array, ""]:
+    """exp(-x) (cosh(x) - sinh(x)/x) for x of one or more; `decay` is exp(-x)."""
+    return (1 + decay**2) / 2 - (1 - decay**2) / (2 * jnp.maximum(x, 1.0))
 
 
 def _folded(

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -350,7 +351,13 @@ def _density(name, three, nodes, samples):
 
 @partial(jax.jit, static_argnums=0)
 def _density_slopes(name, three, nodes, samples):
-    return _slopes_beside(lambda t: added_density(name, t, nodes, samples), three)
+    def of_shape(shape, scale):
+        return added_density(name, jnp.append(scale, shape), nodes, samples)
+
+    slopes, density = _slopes_beside(of_shape, three[:, 1:], three[:, 0])
+    # Along the log of its scale a density is its own slope.
+    own = jnp.where(three[:, :1] > FLOOR, density, 0.0)
+    return jnp.concatenate([own[..., None], slopes], axis=2), density
 
 
 @partial(jax.jit, static_argnums=0)
@@ -363,11 +370,11 @@ def _gain_slopes(name, three, nodes, samples):
     return _slopes_beside(lambda t: shaped(name, t, nodes, samples), three)
 
 
-def _slopes_beside(values, three):
-    """Derivatives, and beside them the values, which cost nothing more."""
+def _slopes_beside(values, along, *held):
+    """Derivatives along some parameters, and beside them the values, which cost nothing more."""
 
-    def twice(t):
-        found = values(t)
+    def twice(*parameters):
+        found = values(*parameters)
         return found, found
 
-    return jax.vmap(jax.jacfwd(twice, has_aux=True))(three)
+    return jax.vmap(jax.jacfwd(twice, has_aux=True))(along, *held)
