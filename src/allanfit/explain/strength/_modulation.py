@@ -4,6 +4,7 @@ It looks at the whitened record, which is independent and standard normal when n
 that the test has a null distribution that does not depend on the sensor.
 """
 
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -309,29 +310,35 @@ def _climbed(
     power: Float[np.ndarray, " windows"], samples: float, price: float, quiet: float, loud: float
 ) -> tuple[Bool[np.ndarray, " windows"], float, float, float]:
     """Path and levels by turns (Viterbi), and their log-likelihood less the price of changes."""
-    path = np.zeros(power.size, bool)
+    path, score = np.zeros(power.size, bool), -np.inf
     for _ in range(20):
         likelihood = np.stack([_likelihood(power, level, samples) for level in (quiet, loud)])
-        score = likelihood[:, 0]
-        came = np.zeros((2, power.size), int)
-        for t in range(1, power.size):
-            across = score[::-1] - price
-            came[:, t] = np.where(across > score, [1, 0], [0, 1])
-            score = np.maximum(score, across) + likelihood[:, t]
-        found = np.zeros(power.size, int)
-        found[-1] = int(np.argmax(score))
-        for t in range(power.size - 1, 0, -1):
-            found[t - 1] = came[found[t], t]
-        same = np.array_equal(found.astype(bool), path)
-        path = found.astype(bool)
+        # By how much the best path to each window that is loud there beats the best that is quiet.
+        ahead = np.fromiter(
+            accumulate(
+                (likelihood[1] - likelihood[0]).tolist(),
+                lambda before, now: min(max(before, -price), price) + now,
+            ),
+            float,
+        )
+        # By more than the price, and the path is there whatever comes; else where it is next.
+        sure = np.abs(ahead) > price
+        sure[-1] = True
+        told = np.where(sure, np.arange(power.size), power.size - 1)
+        found = ahead[np.minimum.accumulate(told[::-1])[::-1]] > 0
+        same = np.array_equal(found, path)
+        path = found
         if not path.any() or path.all():
             return path, quiet, loud, -np.inf
+        score = float(np.where(path, *likelihood[::-1]).sum()) - price * np.count_nonzero(
+            np.diff(path)
+        )
         quiet, loud = float(power[~path].mean()), float(power[path].mean())
         if same:
             break
     if loud < quiet:
         path, quiet, loud = ~path, loud, quiet
-    return path, quiet, loud, float(score.max())
+    return path, quiet, loud, score
 
 
 def _likelihood(
