@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.fft import dct
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._state import begin
-from allanfit.explain.courses._scan import propose
+from allanfit.explain.courses._scan import _slow_waves, propose
 
 
 def test_a_step_in_a_strong_random_walk_is_proposed_where_it_is():
@@ -49,3 +50,14 @@ def test_the_first_error_of_an_angle_is_no_warm_up_and_no_step():
     x = rng.standard_normal(120_000) + 60 * np.diff(angle)
     state = investigate(x, ((0, x.size),), "point", np.array([3600.0, 1.0, 0.0, 0.0]))
     assert not state.findings
+
+
+@pytest.mark.parametrize("part", [1.0, 1 - 1e-12, 0.37])
+def test_slow_waves_have_the_coefficients_of_their_values(part):
+    """Whole and half periods in a stretch are orders of the transform, or nearly."""
+    count, waves = 301, 40
+    periods = part * (1.5 + 0.25 * np.arange(waves))[:, None, None]
+    angle = 2 * np.pi * periods * (np.arange(count) + 0.5) / count
+    columns = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+    expected = np.asarray(dct(columns, norm="ortho"))[..., 1:150]
+    np.testing.assert_allclose(_slow_waves(count, part, waves), expected, atol=1e-6)

@@ -9,7 +9,7 @@ from .._chance import course_log_chance
 from ..spectrum._ordinates import Ordinates
 from ..spectrum._search import Model
 from ..spectrum._structure import Data
-from ._blocks import FINE_BLOCKS, Scan, Stretch, block_coefficients, blocks_of, length_of
+from ._blocks import FINE_BLOCKS, Scan, Stretch, blocks_of, length_of
 from ._course import Course, late, ordinate_variance, oscillation, step, warm_up
 from ._step_scores import step_sums
 
@@ -22,6 +22,8 @@ _WORTH = float(np.log(0.3))
 # Slower than this many periods in the record, an oscillation is no line yet.
 _FEWEST_PERIODS, _TOO_FEW_PERIODS = 1.5, 1.0
 _MOST_PERIODS = 160
+# Half the turn of a block [rad] below which a wave does not turn.
+_SAME = 1e-9
 # White noise of so many times Q^2/N^2 samples is stronger than one error of the angle.
 _FIRST_ERROR = 4.0
 # A sensor follows its surroundings late by such parts of the record, or its thermometer does.
@@ -107,10 +109,22 @@ def _slow_waves(count: int, part: float, waves: int) -> Float[np.ndarray, "waves
     The `count` blocks of a stretch are a `part` of the longest, in which periods are counted.
     """
     periods = (_FEWEST_PERIODS + 0.25 * np.arange(waves)) * part
-    angle = 2 * np.pi * periods[:, None] * (np.arange(count) + 0.5) / count
-    columns = np.stack([np.cos(angle), np.sin(angle)], axis=1).reshape(-1, count)
-    found = block_coefficients(columns.T, 1.0, np.arange(1, max(count // 2, 2)))
-    return np.ascontiguousarray(found.T).reshape(len(periods), 2, -1)
+    orders = np.arange(1, max(count // 2, 2))
+    # The product with the cosine of an order is a sum of two waves, of so many cycles together; and
+    # a wave of c cycles sums to sin(2 pi c)/(2 sin(pi c/n)), its sine to sin^2(pi c)/sin(pi c/n).
+    wave, order = np.pi * periods[:, None] / count, np.pi * orders / (2 * count)
+    first, second = np.sin(wave) * np.cos(order), np.cos(wave) * np.sin(order)
+    turned = np.where(orders % 2, -1.0, 1.0)
+    cosine = turned * np.sin(2 * np.pi * periods)[:, None]
+    sine = 1 - turned * np.cos(2 * np.pi * periods)[:, None]
+    found = np.zeros((waves, 2, orders.size))
+    for half in (first + second, first - second):
+        # A wave of the order's own cycles is one all along.
+        same = np.abs(half) < _SAME
+        below = 2 * np.where(same, 1.0, half)
+        found[:, 0] += np.where(same, count, cosine / below)
+        found[:, 1] += np.where(same, 0.0, sine / below)
+    return found / np.sqrt(2 * count)
 
 
 def _warm_ups(scan: Scan, samples: int, paths: dict[str, float], brief: float) -> list[Course]:
