@@ -218,6 +218,8 @@ def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three
 
 def _columns(gains, kinds: Kinds, held) -> Float[np.ndarray, "starts bins terms"]:
     folded, passed, bump = gains
+    if kinds.shaping is None:
+        return np.broadcast_to(held, (len(bump), *held.shape))
     angle = folded if kinds.angle_filtered else np.ones_like(folded)
     gain = np.stack([angle, folded, passed, passed], axis=2)
     return held * gain * bump[..., None]
@@ -306,9 +308,10 @@ def _ascend(
         slope = np.where(moving & np.isfinite(slope), slope, 0.0)
         # The information of a Gamma variate on ln m is its shape.
         weighted = slope * shape[:, None]
-        normal = np.einsum("sbi,sbj->sij", weighted, slope)
+        across = weighted.swapaxes(1, 2)
+        normal = across @ slope
         with np.errstate(all="ignore"):
-            gradient = np.einsum("sbi,sb->si", weighted, np.nan_to_num(density / total - 1))
+            gradient = (across @ np.nan_to_num(density / total - 1)[..., None])[..., 0]
         diagonal = np.einsum("sii->si", normal)
         scale = diagonal + 1e-12 * diagonal.sum(axis=1, keepdims=True) + 1e-30
         moved = np.zeros(len(theta), bool)
