@@ -3,23 +3,24 @@
     python -m benchmarks.strength [--records 1000] [--seed 1]
 
 Noise that is as strong at all times says how true the chance is, also where whitening leaves a
-correlation or values are not normal. Loud times are two to five stretches anywhere in the record,
-with lambda of twelve to fifty: what the squares say of them, half of the samples times the variance
-of the relative power.
+correlation or values are not normal. Loud times are those of `benchmarks.concealed`, two to five
+stretches, with lambda of twelve to fifty: what the squares say of them, half of the samples times
+the variance of the relative power.
 """
 
 import argparse
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from rich.progress import track
 
 from allanfit.explain.strength._modulation import uneven
 
+from .concealed._slow import inside, stretches
+
 SAMPLES = 120_000
 LEVELS = (0.05, 0.01, 0.001)
 STRENGTHS = (12.0, 25.0, 50.0)
-MOST_STRETCHES = 5
 
 
 def normal(rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
@@ -36,13 +37,8 @@ def laplace(rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
     return rng.laplace(size=SAMPLES) / 2**0.5
 
 
-def stretches(rng: np.random.Generator) -> Bool[np.ndarray, " samples"]:
-    edges = np.sort(rng.uniform(0.02, 0.98, 2 * rng.integers(2, MOST_STRETCHES + 1)))
-    return np.searchsorted(edges, (np.arange(SAMPLES) + 0.5) / SAMPLES) % 2 == 1
-
-
 def loud(rng: np.random.Generator, strength: float) -> Float[np.ndarray, " samples"]:
-    times = stretches(rng)
+    times = inside(np.arange(SAMPLES) + 0.5, stretches(rng, SAMPLES))
     share = times.mean()
     excess = np.sqrt(2 * strength / SAMPLES / (share * (1 - share)))
     noise = rng.standard_normal(SAMPLES) * np.sqrt(1 + excess * times)

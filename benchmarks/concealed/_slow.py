@@ -205,7 +205,7 @@ class VarianceModulation(Effect):
 
     @classmethod
     def draw(cls, rng, device):
-        return cls(1.0, stretches(rng, device))
+        return cls(1.0, stretches(rng, device.duration))
 
     def sized(self, size):
         return replace(self, excess=size)
@@ -241,7 +241,7 @@ class VibrationRectification(Effect):
 
     @classmethod
     def draw(cls, rng, device):
-        return cls(1.0, stretches(rng, device))
+        return cls(1.0, stretches(rng, device.duration))
 
     def sized(self, size):
         return replace(self, coefficient=size)
@@ -282,12 +282,12 @@ class VibrationRectification(Effect):
         return self.strength(device)
 
 
-def stretches(rng, device):
+def stretches(rng, duration):
     """Two to five, of which the loudest half of the recording consists."""
     count = int(rng.integers(2, 6))
-    edges = np.sort(rng.uniform(0.04, 0.96, 2 * count)) * device.duration
-    if np.diff(edges).min() < 0.01 * device.duration:
-        return stretches(rng, device)
+    edges = np.sort(rng.uniform(0.04, 0.96, 2 * count)) * duration
+    if np.diff(edges).min() < 0.01 * duration:
+        return stretches(rng, duration)
     return tuple((float(a), float(b)) for a, b in edges.reshape(-1, 2))
 
 

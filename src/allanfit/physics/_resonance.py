@@ -132,7 +132,7 @@ def _motion(
 
 
 class _Angle(NamedTuple):
-    """Sine and cosine of an angle: those of sums and doubles follow without others."""
+    """Sine and cosine of an angle: those of its double follow from them."""
 
     sine: Float[Array, "*shape"]
     cosine: Float[Array, "*shape"]

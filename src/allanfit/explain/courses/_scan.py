@@ -110,15 +110,16 @@ def _slow_waves(count: int, part: float, waves: int) -> Float[np.ndarray, "waves
     """
     periods = (_FEWEST_PERIODS + 0.25 * np.arange(waves)) * part
     orders = np.arange(1, max(count // 2, 2))
-    # The product with the cosine of an order is a sum of two waves, of so many cycles together; and
-    # a wave of c cycles sums to sin(2 pi c)/(2 sin(pi c/n)), its sine to sin^2(pi c)/sin(pi c/n).
+    # Of p periods, times the cosine of order k: half the waves of p + k/2 and of p - k/2 periods.
+    # One of c periods sums to sin(2 pi c)/(2 sin(pi c/n)), and its sine to (1 - cos(2 pi c)) over
+    # the same.
     wave, order = np.pi * periods[:, None] / count, np.pi * orders / (2 * count)
-    first, second = np.sin(wave) * np.cos(order), np.cos(wave) * np.sin(order)
+    one, other = np.sin(wave) * np.cos(order), np.cos(wave) * np.sin(order)
     turned = np.where(orders % 2, -1.0, 1.0)
     cosine = turned * np.sin(2 * np.pi * periods)[:, None]
     sine = 1 - turned * np.cos(2 * np.pi * periods)[:, None]
     found = np.zeros((waves, 2, orders.size))
-    for half in (first + second, first - second):
+    for half in (one + other, one - other):
         # A wave of the order's own cycles is one all along.
         same = np.abs(half) < _SAME
         below = 2 * np.where(same, 1.0, half)

@@ -326,13 +326,11 @@ def _climbed(
         sure[-1] = True
         told = np.where(sure, np.arange(power.size), power.size - 1)
         found = ahead[np.minimum.accumulate(told[::-1])[::-1]] > 0
-        same = np.array_equal(found, path)
-        path = found
+        same, path = np.array_equal(found, path), found
         if not path.any() or path.all():
             return path, quiet, loud, -np.inf
-        score = float(np.where(path, *likelihood[::-1]).sum()) - price * np.count_nonzero(
-            np.diff(path)
-        )
+        changes = np.count_nonzero(np.diff(path))
+        score = float(np.where(path, likelihood[1], likelihood[0]).sum()) - price * changes
         quiet, loud = float(power[~path].mean()), float(power[path].mean())
         if same:
             break
