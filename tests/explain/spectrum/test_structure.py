@@ -21,7 +21,7 @@ from allanfit.explain.spectrum._structure import (
     Kinds,
     bounds,
     free,
-    held_columns,
+    held_rows,
 )
 from allanfit.physics import DriftingLine, GaussMarkov, PowerLaw, Resonance
 
@@ -132,7 +132,7 @@ def test_quantized_angle_that_is_held():
         total += np.abs(np.fft.rfft(held)) ** 2 / np.sum(np.hanning(length) ** 2) / 300
     data = data_of(rng.standard_normal(length))._replace(repeat=repeat)
     frequency, used = data.bins.frequency, data.bins.used
-    expected = held_columns(data)[:, 0]
+    expected = held_rows(data)[0]
     # Away from what a taper leaks from the mean; frequencies far below the difference's own corner
     # are within.
     inside = used & (frequency > 0.003)
@@ -145,7 +145,7 @@ def test_a_filter_behind_the_converter_shapes_white_noise_and_quantization(order
     """Against SciPy's Butterworth filter, up to its zero at the Nyquist frequency."""
     data = data_of(np.random.default_rng(6).standard_normal(SAMPLES))
     theta = theta_of("digital_low_pass", 1.0, 0.27, order)
-    held, kinds = held_columns(data), Kinds("digital_low_pass")
+    held, kinds = held_rows(data), Kinds("digital_low_pass")
     filtered = np.asarray(parts(theta[None], kinds, data, held)[0][0])
     plain = np.asarray(parts(theta[None, :4], Kinds(), data, held)[0][0])
     middle = np.asarray(data.bins.nodes)[:, 1]
@@ -158,7 +158,7 @@ def test_a_filter_behind_the_converter_shapes_white_noise_and_quantization(order
     response = np.abs(freqz(numerator, denominator, 2 * np.pi * inside.ravel())[1]) ** 2
     response = np.trapezoid(response.reshape(inside.shape), axis=1) / 400
     for term in (0, 1):
-        ratio = filtered[below, term] / plain[below, term]
+        ratio = filtered[term, below] / plain[term, below]
         np.testing.assert_allclose(ratio, response, rtol=1e-4)
 
 

@@ -25,7 +25,7 @@ from ._structure import (
     active,
     added_density,
     foreign,
-    held_columns,
+    held_rows,
     left_of,
     shaped,
     without_droop,
@@ -56,13 +56,13 @@ def climb(
     `enough` is such a gain, and the same as a part of the deviance beyond one a bin. After so many
     `steps` at most.
     """
-    moving, held = active(kinds, data.terms), held_columns(data)
+    moving, held = active(kinds, data.terms), held_rows(data)
 
     def mean(theta):
-        return _mean(theta, kinds, data, held, slopes=False)[0]
+        return _mean(theta, kinds, data, held)
 
     def slopes(theta):
-        return _mean(theta, kinds, data, held, slopes=True)
+        return _mean_and_slopes(theta, kinds, data, held)
 
     return _ascend(np.array(starts), moving, mean, slopes, data, enough, steps=steps)
 
@@ -75,22 +75,22 @@ def rescale(
         [np.arange(TERMS), kinds.first_slot + EACH * np.arange(len(kinds.added))]
     )
     moving = active(kinds, data.terms)[sizes]
-    columns, bump, added = parts(theta[None], kinds, data, held_columns(data))
-    rows = [columns[0].T]
-    rows += [
-        (density[0] * bump[0] / np.exp(max(theta[place], FLOOR)))[None]
+    rows, bump, added = parts(theta[None], kinds, data, held_rows(data))
+    units = [
+        density[0] * bump[0] / np.exp(max(theta[place], FLOOR))
         for density, place in zip(added, sizes[TERMS:], strict=True)
     ]
-    unit = np.concatenate(rows)
+    unit = np.vstack([rows[0], *units])
     alien = foreign(data) * bump[0]
 
-    def slopes(logs):
-        share = np.where(moving, np.exp(np.clip(logs, FLOOR, 60)), 0.0)[..., None] * unit
-        total = share.sum(axis=1) + alien
-        return total, np.moveaxis(share / total[:, None], 1, 2)
+    def mean(logs):
+        return _powers(logs, moving) @ unit + alien
 
-    logs = np.array(theta[sizes][None])
-    reached, value = _ascend(logs, moving, lambda logs: slopes(logs)[0], slopes, data)
+    def slopes(logs):
+        total = mean(logs)
+        return total, _powers(logs, moving)[..., None] * unit / total[:, None]
+
+    reached, value = _ascend(np.array(theta[sizes][None]), moving, mean, slopes, data)
     best = np.array(theta)
     best[sizes] = reached[0]
     return best, float(value[0])
@@ -100,15 +100,14 @@ def expected_density(
     theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
 ) -> Float[np.ndarray, " bins"]:
     """The expected density of each bin [u^2]."""
-    return _mean(theta[None], kinds, data, held_columns(data), slopes=False)[0][0]
+    return _mean(theta[None], kinds, data, held_rows(data))[0]
 
 
 def log_slopes(
     theta: Starts, kinds: Kinds, data: Data
 ) -> Float[np.ndarray, "starts bins parameters"]:
     """Derivatives of the log of the expected density."""
-    found = _mean(theta, kinds, data, held_columns(data), slopes=True)[1]
-    assert found is not None
+    found = _mean_and_slopes(theta, kinds, data, held_rows(data))[1].swapaxes(1, 2)
     return np.where(active(kinds, data.terms) & np.isfinite(found), found, 0.0)
 
 
@@ -126,13 +125,15 @@ def filter_slopes(
 ) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, "bins three"]]:
     """The gain of a filter on white noise, aliases included, and its derivatives."""
     slopes, gains = _evaluated(_gain_slopes, shaping, three[None], nodes, samples)
-    return gains[0][0], slopes[0][0]
+    return gains[0][0], slopes[0][0].T
 
 
-def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins terms"]):
-    """Columns of the terms, the bump, and what each added noise puts into each bin.
+def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "terms bins"]):
+    """Rows of the terms, the bump, and what each added noise puts into each bin.
 
-    `held` are the `held_columns` of the data, which no parameter changes.
+    For each start: shapes (starts, terms, bins), (starts, bins), or (starts, 1) where there is no
+    bump, and (starts, bins) each. `held` are the `held_rows` of the data, which no parameter
+    changes.
     """
     gains, _ = _shape(theta, kinds, data, slopes=False)
     slots = _slots(theta, kinds)
@@ -140,15 +141,16 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "bins
         noise_density(name, slots[:, i], data) * (gains[1] if _passes(name, kinds) else 1.0)
         for i, name in enumerate(kinds.added)
     ]
-    return _columns(gains, kinds, held), gains[2], added
+    return _rows(gains, kinds, held), gains[2], added
 
 
 def effects_density(
     theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
 ) -> Float[np.ndarray, "slots bins"]:
     """What each added noise puts into each bin, the bump included."""
-    _, bump, added = parts(theta[None], kinds, data, held_columns(data))
-    return np.concatenate([each * bump for each in added] or [np.zeros((0, bump.shape[1]))])
+    _, bump, added = parts(theta[None], kinds, data, held_rows(data))
+    nothing = np.zeros((0, len(data.bins.nodes)))
+    return np.concatenate([nothing, *(each * bump for each in added)])
 
 
 def noise_density(
@@ -162,9 +164,7 @@ def deviances(mean: Float[np.ndarray, "starts bins"], data: Data) -> Float[np.nd
     """Twice the log-likelihood that each mean density leaves to a perfect fit."""
     with np.errstate(all="ignore"):
         ratio = np.asarray(data.bins.density) / mean
-        # Beyond the last digit of one the ratio itself is more exact.
-        log = np.where(ratio > 0.5, np.log1p(ratio - 1), np.log(ratio))
-        value = np.sum(2 * np.asarray(data.bins.shape) * (ratio - 1 - log), axis=1)
+        value = (ratio - 1 - np.log(ratio)) @ (2 * np.asarray(data.bins.shape))
     return np.where(np.isfinite(value), value, np.inf)
 
 
@@ -206,9 +206,9 @@ def _passes(name: str, kinds: Kinds) -> bool:
     return kinds.last and name != "drifting_line"
 
 
-def _left(name: str, data: Data) -> Float[np.ndarray, " bins"]:
+def _left(name: str, data: Data) -> float | Float[np.ndarray, " bins"]:
     if not data.averaging:
-        return np.ones(len(data.bins.nodes))
+        return 1.0
     return left_of(name, data.bins.nodes[:, 1], data.averaging)
 
 
@@ -216,19 +216,25 @@ def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three
     return theta[:, kinds.first_slot :].reshape(len(theta), -1, EACH)
 
 
-def _columns(gains, kinds: Kinds, held) -> Float[np.ndarray, "starts bins terms"]:
+def _powers(
+    logs: Float[np.ndarray, "starts sizes"], present: Any
+) -> Float[np.ndarray, "starts sizes"]:
+    """Those of sizes given by their logarithms, zero where they are not present."""
+    return np.where(present, np.exp(np.minimum(np.maximum(logs, FLOOR), 60)), 0.0)
+
+
+def _rows(gains, kinds: Kinds, held) -> Float[np.ndarray, "starts terms bins"]:
     folded, passed, bump = gains
     if kinds.shaping is None:
         return np.broadcast_to(held, (len(bump), *held.shape))
     angle = folded if kinds.angle_filtered else np.ones_like(folded)
-    gain = np.stack([angle, folded, passed, passed], axis=2)
-    return held * gain * bump[..., None]
+    return held * np.stack([angle, folded, passed, passed], axis=1) * bump[:, None]
 
 
 def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     """Filter, aliases and all or not, and bump of each start; their derivatives if asked for."""
     if kinds.shaping is None:
-        one = np.ones((len(theta), len(data.bins.nodes)))
+        one = np.ones((len(theta), 1))
         return (one, one, one), None
     three = theta[:, TERMS : TERMS + EACH]
     # A filter that droops is the same program as one that does not.
@@ -236,47 +242,48 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     # Of whole numbers there is nothing to climb along.
     if not slopes or kinds.shaping == RUNNING_MEAN:
         gains = _evaluated(_gains, *asked)
-        return gains, tuple(np.zeros((*each.shape, EACH)) for each in gains)
+        return gains, tuple(np.zeros((len(each), EACH, each.shape[1])) for each in gains)
     derivatives, gains = _evaluated(_gain_slopes, *asked)
     return gains, derivatives
 
 
-def _mean(theta: Starts, kinds: Kinds, data: Data, held, *, slopes: bool):
-    """The expected density for each start, shape (starts, bins), and d ln of it/d theta."""
-    added_slopes, filtered = [], 0.0
-    if slopes:
-        gains, gain_slopes = _shape(theta, kinds, data, slopes=True)
-        columns, bump, added = _columns(gains, kinds, held), gains[2], []
-        for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
-            slope, density = _evaluated(_density_slopes, name, three, data.bins.nodes, data.samples)
-            left = _left(name, data)
-            if _passes(name, kinds):
-                filtered = filtered + density * left
-                left = left * gains[1]
-            added_slopes.append(slope * np.atleast_2d(left)[..., None])
-            added.append(density * left)
-    else:
-        gain_slopes = None
-        columns, bump, added = parts(theta, kinds, data, held)
-    terms = np.asarray(data.terms)
-    power = np.where(terms, np.exp(np.clip(theta[:, :TERMS], FLOOR, 60)), 0.0)
-    noise = columns * power[:, None]
-    inner = noise.sum(axis=2) + foreign(data) * bump
-    total = inner + sum((each * bump for each in added), np.zeros_like(bump))
-    if not slopes:
-        return total, None
+def _mean(theta: Starts, kinds: Kinds, data: Data, held) -> Float[np.ndarray, "starts bins"]:
+    """The expected density for each start."""
+    rows, bump, added = parts(theta, kinds, data, held)
+    power = _powers(theta[:, :TERMS], data.terms)
+    total = (power[:, None] @ rows)[:, 0] + foreign(data) * bump
+    for density in added:
+        total = total + density * bump
+    return total
+
+
+def _mean_and_slopes(
+    theta: Starts, kinds: Kinds, data: Data, held
+) -> tuple[Float[np.ndarray, "starts bins"], Float[np.ndarray, "starts parameters bins"]]:
+    """The expected density for each start, and the derivatives of its logarithm."""
+    gains, gain_slopes = _shape(theta, kinds, data, slopes=True)
+    bump, power = gains[2], _powers(theta[:, :TERMS], data.terms)[..., None]
+    noise = _rows(gains, kinds, held) * power
+    total = noise.sum(axis=1) + foreign(data) * bump
+    filtered, added = 0.0, []
+    for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
+        slope, density = _evaluated(_density_slopes, name, three, data.bins.nodes, data.samples)
+        left = np.asarray(_left(name, data))
+        if _passes(name, kinds):
+            filtered = filtered + density * left
+            left = left * gains[1]
+        left = left * bump
+        total = total + density * left
+        added.append(slope * left[:, None])
     blocks = [noise]
     if gain_slopes is not None:
         folded, passed, bumped = gain_slopes
-        strong = held * power[:, None]
-        white = strong[..., 1]
-        if kinds.angle_filtered:
-            white = white + strong[..., 0]
-        slope = folded * (white * bump)[..., None]
-        slope = slope + passed * ((strong[..., 2] + strong[..., 3] + filtered) * bump)[..., None]
-        blocks.append(slope + bumped * (total / bump)[..., None])
-    blocks += [slope * bump[..., None] for slope in added_slopes]
-    return total, np.concatenate(blocks, axis=2) / total[..., None]
+        strong = held * power
+        white = strong[:, 1] + strong[:, 0] if kinds.angle_filtered else strong[:, 1]
+        slow = strong[:, 2] + strong[:, 3] + filtered
+        slope = folded * (white * bump)[:, None] + passed * (slow * bump)[:, None]
+        blocks.append(slope + bumped * (total / bump)[:, None])
+    return total, np.concatenate([*blocks, *added], axis=1) / total[:, None]
 
 
 def _ascend(
@@ -291,12 +298,13 @@ def _ascend(
 ):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
     least_gain, least_share = enough
-    density, shape = np.asarray(data.bins.density), np.asarray(data.bins.shape)
+    density = np.asarray(data.bins.density)
     usual = np.count_nonzero(data.bins.used)
     value = deviances(mean(theta), data)
     damping = np.full(len(theta), 1e-2) if damping is None else damping
     still = np.ones(len(theta), bool)
-    identity = np.eye(theta.shape[1])
+    along = np.flatnonzero(moving)
+    identity = np.eye(along.size)
     for done in range(steps):
         if len(theta) > 1 and still.sum() == 1:
             # The last one on its way goes on alone: all at once cost as much with one as with all.
@@ -305,20 +313,17 @@ def _ascend(
             )
             break
         total, slope = slopes(theta)
-        slope = np.where(moving & np.isfinite(slope), slope, 0.0)
-        # The information of a Gamma variate on ln m is its shape.
-        weighted = slope * shape[:, None]
-        across = weighted.swapaxes(1, 2)
-        normal = across @ slope
+        weighted, normal = _information(slope[:, along], data)
         with np.errstate(all="ignore"):
-            gradient = (across @ np.nan_to_num(density / total - 1)[..., None])[..., 0]
+            gradient = weighted @ np.nan_to_num(density / total - 1)[..., None]
         diagonal = np.einsum("sii->si", normal)
         scale = diagonal + 1e-12 * diagonal.sum(axis=1, keepdims=True) + 1e-30
         moved = np.zeros(len(theta), bool)
         for factor in (0.1, 10.0):
-            weight = (factor * damping[:, None] * scale + ~moving)[..., None] * identity
-            step = np.linalg.solve(normal + weight, gradient[..., None])[..., 0]
-            tried = theta + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
+            weight = (factor * damping[:, None] * scale)[..., None] * identity
+            step = np.linalg.solve(normal + weight, gradient)[..., 0]
+            tried = theta.copy()
+            tried[:, along] += np.minimum(np.maximum(step, -_LONGEST_STEP), _LONGEST_STEP)
             reached = deviances(mean(tried), data)
             better = (reached < value) & ~moved & still
             with np.errstate(invalid="ignore"):
@@ -338,13 +343,30 @@ def _ascend(
     return theta, value
 
 
+def _information(slope: Float[np.ndarray, "starts along bins"], data: Data):
+    """Slopes, each bin as weighty as it is informative, and what these tell of all together.
+
+    The information of a Gamma variate on ln m is its shape.
+    """
+    shape = np.asarray(data.bins.shape)
+    with np.errstate(all="ignore"):
+        weighted = slope * shape
+        normal = weighted @ slope.swapaxes(1, 2)
+        if not np.isfinite(normal).all():
+            slope = np.where(np.isfinite(slope), slope, 0.0)
+            weighted = slope * shape
+            normal = weighted @ slope.swapaxes(1, 2)
+    return weighted, normal
+
+
 def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: Any, samples: Any):
     """What a program gives for all starts, as NumPy arrays."""
     # Filled up to sizes that are compiled; walkers of a posterior come in many, always as many.
-    size = next((each for each in (TOGETHER, ON_TRIAL) if len(threes) <= each), len(threes))
-    filled = threes[np.minimum(np.arange(size), len(threes) - 1)]
+    count = len(threes)
+    size = next((each for each in (TOGETHER, ON_TRIAL) if count <= each), count)
+    filled = threes if count == size else threes[np.minimum(np.arange(size), count - 1)]
     found = program(name, filled, nodes, samples)
-    return jax.tree.map(lambda each: np.asarray(each)[: len(threes)], found)
+    return jax.tree.map(lambda each: np.asarray(each)[:count], found)
 
 
 @partial(jax.jit, static_argnums=0)
@@ -360,7 +382,7 @@ def _density_slopes(name, three, nodes, samples):
     slopes, density = _slopes_beside(of_shape, three[:, 1:], three[:, 0])
     # Along the log of its scale a density is its own slope.
     own = jnp.where(three[:, :1] > FLOOR, density, 0.0)
-    return jnp.concatenate([own[..., None], slopes], axis=2), density
+    return jnp.concatenate([own[:, None], slopes], axis=1), density
 
 
 @partial(jax.jit, static_argnums=0)
@@ -374,10 +396,14 @@ def _gain_slopes(name, three, nodes, samples):
 
 
 def _slopes_beside(values, along, *held):
-    """Derivatives along some parameters, and beside them the values, which cost nothing more."""
+    """Derivatives along some parameters, and beside them the values, which cost nothing more.
+
+    Of each array of values, (starts, bins), derivatives of shape (starts, parameters, bins).
+    """
 
     def twice(*parameters):
         found = values(*parameters)
         return found, found
 
-    return jax.vmap(jax.jacfwd(twice, has_aux=True))(along, *held)
+    slopes, found = jax.vmap(jax.jacfwd(twice, has_aux=True))(along, *held)
+    return jax.tree.map(lambda each: each.swapaxes(1, 2), slopes), found

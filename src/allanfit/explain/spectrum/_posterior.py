@@ -30,7 +30,7 @@ from ._structure import (
     droop_of,
     foreign,
     free_filter,
-    held_columns,
+    held_rows,
     shape_of,
 )
 
@@ -137,22 +137,22 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
         return theta
 
-    held, alien = held_columns(data), foreign(data)
+    held, alien = held_rows(data), foreign(data)
 
     def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
         with np.errstate(all="ignore"):
             x = np.clip(x, -300, 300)
             theta = unpacked(x)
-            columns, bump, added = parts(theta, kinds, data, held)
-            columns = columns[..., terms]
+            rows, bump, added = parts(theta, kinds, data, held)
+            rows = rows[:, terms]
             power = np.exp(theta[:, place[:count]])
-            total = np.einsum("sbt,st->sb", columns, power) + alien * bump
+            total = (power[:, None] @ rows)[:, 0] + alien * bump
             for each in added:
                 total = total + each * bump
             excess = density / total - 1
-            value = -np.sum(shape * (excess - np.log1p(excess)), axis=1)
-            relative = columns / total[..., None]
-            information = np.einsum("sbi,sbj,b->sij", relative, relative, shape)
+            value = -(excess - np.log1p(excess)) @ shape
+            relative = rows / total[:, None]
+            information = (relative * shape) @ relative.swapaxes(1, 2)
             value += np.linalg.slogdet(information)[1] / 2
             value += np.sum(np.log((power + deviation) / (power + scale**2)), axis=1)
             value += np.sum(np.log(np.abs(np.sinh(2 * x[:, :count]))), axis=1)
@@ -185,12 +185,12 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
 
 def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
     """Standard deviations of the powers, the effects held; as `identify._posterior.coordinates`."""
-    columns, bump, added = parts(model.theta[None], model.kinds, data, held_columns(data))
+    rows, bump, added = parts(model.theta[None], model.kinds, data, held_rows(data))
     power = np.where(np.asarray(data.terms), np.exp(model.theta[:TERMS]), 0.0)
-    total = columns[0] @ power + foreign(data) * bump[0]
+    total = power @ rows[0] + foreign(data) * bump[0]
     total = total + sum((each[0] * bump[0] for each in added), np.zeros_like(total))
-    relative = columns[0] / total[:, None]
-    information = (relative * np.asarray(data.bins.shape)[:, None]).T @ relative
+    relative = rows[0] / total
+    information = (relative * np.asarray(data.bins.shape)) @ relative.T
     unit = np.sqrt(np.diag(information))
     correlation = information / unit / unit[:, None] + 1e-6 * np.eye(TERMS)
     return np.sqrt(np.diag(np.linalg.inv(correlation))) / unit

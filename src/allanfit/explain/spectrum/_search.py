@@ -43,6 +43,10 @@ _ROUGH_GAIN, _ROUGH_SHARE = 0.02, 1e-3
 # asked for. A bump begins at more places than any other effect.
 _KEPT, _TRIAL = 4, 9
 _KEPT_BUMPS = 8
+# What leaves so many times as much by then, while another of its name is ahead, never leads.
+_HOPELESS = 10.0
+# Part of the density that a weak effect has where it is strongest.
+_WEAK = 0.3
 # Quantization noise over white noise at the Nyquist frequency that is worth a word.
 _MUCH = 0.05
 # A corner within such a factor of the lowest that is looked for is none.
@@ -204,13 +208,19 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
 def _promising(starts: list[Start], data: Data, kept: int) -> list[Start]:
     """Those of each name and kind that are ahead after a few steps, where these have led."""
     found = best([(kinds, theta) for _, kinds, theta in starts], data, _TRIAL, rough=True)
-    alike: dict[tuple[str, Kinds], list[Model]] = {}
-    for (name, kinds, _), reached in zip(starts, found, strict=True):
-        alike.setdefault((name, kinds), []).append(reached)
+    costs = [_cost(each, data) for each in found]
+    least = {}
+    for (name, _, _), cost in zip(starts, costs, strict=True):
+        least[name] = min(cost, least.get(name, np.inf))
+    bins = np.count_nonzero(data.bins.used)
+    alike: dict[tuple[str, Kinds], list[tuple[float, Model]]] = {}
+    for (name, kinds, _), reached, cost in zip(starts, found, costs, strict=True):
+        if cost - bins <= _HOPELESS * max(least[name] - bins, bins):
+            alike.setdefault((name, kinds), []).append((cost, reached))
     return [
         (name, kinds, reached.theta)
         for (name, kinds), every in alike.items()
-        for reached in sorted(every, key=lambda one: _cost(one, data))[:kept]
+        for _, reached in sorted(every, key=lambda one: one[0])[:kept]
     ]
 
 
@@ -268,7 +278,8 @@ def _added(name: str, shapes, model: Model, data: Data) -> list[Start]:
         strongest = int(np.argmax(np.where(used, unit / mean, 0.0)))
         # As much as the data have there above the model, but no less than a weak effect has.
         seen = float(data.bins.density[strongest] / mean[strongest] - 1)
-        for part in (max(seen, 0.3),) if name != "gauss_markov" else (0.3, max(seen, 0.3)):
+        much = max(seen, _WEAK)
+        for part in sorted({much, _WEAK}) if name == "gauss_markov" else [much]:
             three[0] = np.log(part * mean[strongest] / unit[strongest])
             starts.append((name, kinds, np.concatenate([model.theta, three])))
     if model.kinds.shaping in (*FREE_FILTERS, *DROOPING) and starts:

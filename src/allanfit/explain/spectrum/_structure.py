@@ -249,15 +249,14 @@ def end_leakage(frequency: Any, width: Any) -> Any:
     return 2 * width / (jnp.pi * frequency * jnp.sin(jnp.pi * width))
 
 
-def held_columns(data: Data) -> Float[np.ndarray, "bins terms"]:
+def held_rows(data: Data) -> Float[np.ndarray, "terms bins"]:
     """What unit powers of Q, N, B, K put into each bin when samples are held, and nothing else."""
-    plain = np.asarray(data.bins.expected)
+    plain = np.ascontiguousarray(np.asarray(data.bins.expected).T)
     if data.repeat == 1:
         return plain
-    held = holding(data)
+    held, white = holding(data), plain[1]
     # What is slow is held as well, and white noise is folded on top.
-    slow = plain[:, 2:] * (held / data.repeat)[:, None]
-    return np.column_stack([plain[:, 1] * _held_angle(data), plain[:, 1] * held, slow])
+    return np.stack([white * _held_angle(data), white * held, *(plain[2:] * held / data.repeat)])
 
 
 def foreign(data: Data) -> float | Float[np.ndarray, " bins"]:
