@@ -1,9 +1,12 @@
-"""Spikes of which only those beyond some reach are told."""
+"""Spikes among noise, and those of which only the ones beyond some reach are told."""
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
+from scipy.special import expit
+from scipy.stats import norm, t
 
-from allanfit.explain.values._contamination import beyond, in_units, unseen
+from allanfit.explain.values._contamination import beyond, contamination, in_units, unseen
 
 SAMPLES = 300_000
 
@@ -42,3 +45,42 @@ def test_units():
     assert other.amplitude == pytest.approx(found.amplitude / 4)
     assert other.threshold == pytest.approx(5.5 / 4)
     assert unseen(other) == pytest.approx(unseen(found) / 16, rel=1e-3)
+
+
+def normal_body(x, width):
+    return norm.pdf(x, scale=width)
+
+
+def rounded_body(x, width):
+    """Of a normal value and one uniform within 1.4 of the sum's deviations, of which it has .65."""
+    half, rest = 1.4 * width, width * np.sqrt(1 - 1.4**2 / 3)
+    return (norm.cdf((x + half) / rest) - norm.cdf((x - half) / rest)) / (2 * half)
+
+
+@pytest.mark.parametrize("body", [normal_body, rounded_body])
+@pytest.mark.parametrize("heavy", [False, True])
+def test_they_are_the_likeliest(body, heavy):
+    """Against a search without derivatives, on the values themselves and with SciPy's densities."""
+    rng, samples = np.random.default_rng(3), 20_000
+    boxes = () if body is normal_body else (1.4,)
+    values = rng.standard_normal(samples)
+    if boxes:
+        values *= np.sqrt(1 - 1.4**2 / 3)
+        values += rng.uniform(-1.4, 1.4, samples)
+    hit = rng.random(samples) < 0.01
+    values[hit] += 6.0 * (rng.standard_t(2, hit.sum()) if heavy else rng.standard_normal(hit.sum()))
+
+    def negative(three):
+        fraction, size, core = expit(three[0]), np.exp(three[1]), np.exp(three[2])
+        wide = np.hypot(size, core)
+        spike = t.pdf(values, 2, scale=wide) if heavy else norm.pdf(values, scale=wide)
+        return -np.log((1 - fraction) * body(values, core) + fraction * spike).sum()
+
+    start = np.log([0.01, 6.0, 1.0])
+    best = minimize(negative, start, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-6})
+    found = contamination(values, 0, boxes)
+    assert (found.heavy, found.boxes) == (heavy, boxes)
+    expected = expit(best.x[0]), np.exp(best.x[1]), np.exp(best.x[2])
+    # Of what the data leave open the bins of the body take a tenth at most.
+    margin = found.draws.std(axis=0) / 10
+    assert np.all(np.abs(np.array(found[:3]) - expected) < margin), (found[:3], expected, margin)

@@ -21,6 +21,8 @@ _FLAT = 0.3
 _GRID_REACH, _GRID_POINTS, _LEAST_DENSITY = 16.0, 4096, 1e-13
 # Shares of spikes, and their size over that of the body, to begin with.
 _SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
+# In the gain of a step as a part of the log-likelihood, and in its derivatives.
+_TO_THE_END = {"ftol": 1e-12, "gtol": 1e-3}
 # As many draws of a variance show how uncertain it is.
 _FEW_DRAWS = 200
 # How far the logarithm of a size is from that of the reach beyond which spikes are told, before any
@@ -72,9 +74,22 @@ def contamination(
     points = np.concatenate([centres, tail])
     weights = np.concatenate([body[:-1], np.ones(tail.size)])
 
-    def negative(three: Float[np.ndarray, " three"], heavy: bool, boxes: tuple) -> float:
-        mixture = sum(_densities(_free(three), heavy, boxes, points))
-        return -float(weights @ np.log(np.maximum(mixture, 1e-300)))
+    def negative(
+        parameters: Float[np.ndarray, " three"], heavy: bool, boxes: tuple
+    ) -> tuple[float, Float[np.ndarray, " three"]]:
+        """Of the log-likelihood, and its derivatives."""
+        three = fraction, height, core = _free(parameters)
+        body, spikes = _densities(three, heavy, boxes, points)
+        mixture = np.maximum(body + spikes, 1e-300)
+        body, spikes = weights * body / mixture, weights * spikes / mixture
+        wide = np.hypot(core, height)
+        wider = spikes @ _spike_slope(points / wide, heavy)
+        slopes = (
+            (1 - fraction) * spikes.sum() - fraction * body.sum(),
+            wider * (height / wide) ** 2,
+            wider * (core / wide) ** 2 + body @ _body_slope(points / core, boxes),
+        )
+        return -float(weights @ np.log(mixture)), -np.array(slopes)
 
     def alone(width: float, boxes: tuple) -> float:
         return -float(weights @ log_body(points, width, boxes))
@@ -90,7 +105,7 @@ def contamination(
     for body_of, spread, (fraction, spike) in itertools.product(bodies, (False, True), _SPIKES):
         start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
         found = minimize(
-            negative, start, (spread, body_of), "Nelder-Mead", options={"maxiter": 600}
+            negative, start, (spread, body_of), "L-BFGS-B", jac=True, options=_TO_THE_END
         )
         _, height, core = _free(found.x)
         if spread and height < core:
@@ -101,7 +116,7 @@ def contamination(
             best, shape = found, (spread, body_of)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
-    draws = curvature_draws(lambda x: negative(x, *shape), best.x, seed)
+    draws = curvature_draws(lambda x: negative(x, *shape)[0], best.x, seed)
     found = np.array([_free(each) for each in draws])
     value = _free(best.x)
     grid = np.linspace(2, 12, 2001) * value[2]
@@ -130,6 +145,23 @@ def _densities(
     wide = np.hypot(core, size)
     spike = _student(at / wide) if heavy else normal(at / wide)
     return (1 - fraction) * _body(at / core, boxes) / core, fraction * spike / wide
+
+
+def _spike_slope(x: Float[np.ndarray, " values"], heavy: bool) -> Float[np.ndarray, " values"]:
+    """Derivative of the log density of spikes `x` in their width along the log of that width."""
+    return 3 * x**2 / (2 + x**2) - 1 if heavy else x**2 - 1
+
+
+def _body_slope(
+    x: Float[np.ndarray, " values"], boxes: tuple[float, ...]
+) -> Float[np.ndarray, " values"]:
+    """The same of the body."""
+    if not boxes:
+        return x**2 - 1
+    grid, logarithm = _sum_of_uniform(boxes)
+    slope = np.append(np.diff(logarithm) / grid[1], 0.0)
+    at = np.minimum(np.abs(x) / grid[1], grid.size - 1).astype(int)
+    return -np.abs(x) * slope[at] - 1
 
 
 def _body(
