@@ -6,6 +6,8 @@ from scipy.fft import dct
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain._state import begin
+from allanfit.explain.courses._blocks import blocks_of
+from allanfit.explain.courses._course import ordinate_variance
 from allanfit.explain.courses._scan import _slow_waves, propose
 
 
@@ -60,4 +62,32 @@ def test_slow_waves_have_the_coefficients_of_their_values(part):
     angle = 2 * np.pi * periods * (np.arange(count) + 0.5) / count
     columns = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
     expected = np.asarray(dct(columns, norm="ortho"))[..., 1:150]
-    np.testing.assert_allclose(_slow_waves(count, part, waves), expected, atol=1e-6)
+    np.testing.assert_allclose(_slow_waves(count, part, waves).both, expected, atol=1e-6)
+
+
+def test_gains_are_those_of_least_squares():
+    """Against two fits by NumPy, of a ramp and of the ramp beside each wave, in white noise."""
+    samples, waves = 8192, 24
+    values = np.random.default_rng(2).standard_normal(samples)
+    values += 0.3 * np.sin(2 * np.pi * 3.2 * np.arange(samples) / samples)
+    pieces = ((0, samples),)
+    state = begin(values, pieces, "point", np.array([1e-6, 1.0, 1e-6, 1e-6]), 0.001)
+    blocks = blocks_of(values, list(pieces))
+    scan = blocks.scan(state.left, ordinate_variance(state.left, state.model, state.data))
+    (stretch,) = scan.stretches
+
+    def white(columns):
+        own = stretch.scale * np.asarray(dct(columns, axis=0, norm="ortho"))[stretch.orders]
+        return own / np.sqrt(stretch.variance)[:, None]
+
+    def left(columns):
+        return np.linalg.lstsq(columns, scan.white, rcond=None)[1][0]
+
+    ramp = white(np.arange(blocks.means[0].size)[:, None])
+    angle = 2 * np.pi * (1.5 + 0.25 * np.arange(waves)) * blocks.time[:, None] / samples
+    sets = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+    expected = [left(ramp) - left(np.hstack([ramp, white(sets[:, each])])) for each in range(waves)]
+    np.testing.assert_allclose(scan.gains(sets), expected, rtol=1e-6, atol=1e-6)
+    found = stretch.gains(_slow_waves(stretch.count, 1.0, waves))
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6)
+    assert scan.gains(np.ones((samples // blocks.size, 1, 1))) == 0

@@ -16,6 +16,7 @@ FINE_BLOCKS = 65536
 FINEST_BLOCKS = 2**21
 # A shorter stretch of a record with gaps is looked at if it has so many of these.
 _FEWEST_BLOCKS = 32
+_NEXT_TO_NOTHING = 1e-300
 
 
 class Blocks(NamedTuple):
@@ -73,6 +74,14 @@ def blocks_of(
     return Blocks(means, [start for start, _ in kept], size)
 
 
+class Waves(NamedTuple):
+    """Cosines and their sines by their coefficients, for a scale of one."""
+
+    both: Float[np.ndarray, "waves two orders"]
+    #: The cosine's squared, the two multiplied, the sine's squared.
+    products: Float[np.ndarray, "waves three orders"]
+
+
 class Stretch(NamedTuple):
     """The cosine coefficients of one stretch, of its ramp, and their variance."""
 
@@ -98,17 +107,19 @@ class Stretch(NamedTuple):
         ramp = self.ramp / root
         return moved - np.outer(ramp, ramp @ moved) / (ramp @ ramp)
 
-    def gains(self, waves: Float[np.ndarray, "waves two orders"]) -> Float[np.ndarray, " waves"]:
-        """What each cosine and its sine gain, given as their coefficients for a scale of one."""
-        root = np.sqrt(self.variance)
-        ramp = self.ramp / root
-        ramp /= np.sqrt(ramp @ ramp)
-        beside = waves * self.scale / root
-        beside -= (beside @ ramp)[..., None] * ramp
+    def gains(self, waves: Waves) -> Float[np.ndarray, " waves"]:
+        """What each cosine and its sine gain."""
+        weight = 1 / self.variance
+        ramp = self.ramp * weight
+        ramp /= np.sqrt(ramp @ self.ramp)
+        own, along = np.moveaxis(waves.both @ np.stack([self.amplitude * weight, ramp], 1), 2, 0)
         # What is left of the amplitudes at right angles to the ramp matters alone.
-        along = beside @ self.white
-        gram = beside @ beside.swapaxes(1, 2)
-        return np.sum(along * np.linalg.solve(gram, along[..., None])[..., 0], axis=1)
+        cosine, sine = (own - (ramp @ self.amplitude) * along).T
+        squares = waves.products @ weight
+        squares -= np.stack([along[:, 0] ** 2, along[:, 0] * along[:, 1], along[:, 1] ** 2], 1)
+        of_cosine, both, of_sine = squares.T
+        value = cosine**2 * of_sine - 2 * cosine * sine * both + sine**2 * of_cosine
+        return value / (of_cosine * of_sine - both**2)
 
 
 class Scan(NamedTuple):
@@ -122,19 +133,31 @@ class Scan(NamedTuple):
         """The coefficients of all stretches in white noise."""
         return np.concatenate([stretch.white for stretch in self.stretches])
 
-    def gain(self, columns: Float[np.ndarray, "blocks columns"]) -> float:
-        """What generalised least squares gains by some columns beside the ramps."""
-        return float(np.sum((self.directions(columns).T @ self.white) ** 2))
+    def gains(
+        self, columns: Float[np.ndarray, "blocks sets columns"]
+    ) -> Float[np.ndarray, " sets"]:
+        """What generalised least squares gains by each set of columns beside the ramps."""
+        beside = self._beside_ramps(columns.reshape(len(columns), -1))
+        sets = np.moveaxis(beside.reshape(-1, *columns.shape[1:]), 0, 2)
+        along = sets @ self.white
+        # What is constant gains nothing.
+        gram = sets @ sets.swapaxes(1, 2) + _NEXT_TO_NOTHING * np.eye(columns.shape[2])
+        return np.sum(along * np.linalg.solve(gram, along[..., None])[..., 0], axis=1)
 
     def directions(
         self, columns: Float[np.ndarray, "blocks columns"]
     ) -> Float[np.ndarray, "orders columns"]:
-        """Unit vectors of some columns in white noise, at right angles to the ramps."""
+        """The unit vector of each column in white noise, at right angles to the ramps."""
+        beside = self._beside_ramps(columns)
+        return beside / np.linalg.norm(beside, axis=0)
+
+    def _beside_ramps(
+        self, columns: Float[np.ndarray, "blocks columns"]
+    ) -> Float[np.ndarray, "orders columns"]:
         parts = np.split(columns, np.cumsum(self.blocks.counts)[:-1])
-        beside = [
-            stretch.beside_ramp(part) for stretch, part in zip(self.stretches, parts, strict=True)
-        ]
-        return np.linalg.qr(np.concatenate(beside))[0]
+        return np.concatenate(
+            [stretch.beside_ramp(part) for stretch, part in zip(self.stretches, parts, strict=True)]
+        )
 
 
 def block_coefficients(

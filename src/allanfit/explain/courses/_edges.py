@@ -36,16 +36,19 @@ def sharpened(
     for blocks, rounds in ((coarse, [every, every]), (fine, closer)):
         scan, time = blocks.scan(spectrum, variance), blocks.time
 
-        def gain(at: Float[np.ndarray, " edges"], scan: Scan = scan, time=time) -> float:
-            told = 2 * ends @ before[np.clip(np.round(at).astype(int), 0, odds.size)]
-            return scan.gain(_between(at, time, first)[:, None].astype(float)) + float(told)
+        def gains(
+            tried: Float[np.ndarray, "tries edges"], scan: Scan = scan, time=time
+        ) -> Float[np.ndarray, " tries"]:
+            told = 2 * before[np.clip(np.round(tried).astype(int), 0, odds.size)] @ ends
+            shapes = np.stack([_between(at, time, first) for at in tried], axis=1)
+            return scan.gains(shapes[..., None].astype(float)) + told
 
         for moves in rounds:
             for i in range(edges.size):
                 tried = np.where(np.arange(edges.size) == i, edges + moves[:, None], edges)
                 # Edges that change places would swap what is loud.
                 tried = tried[np.all(np.diff(tried) > 0, axis=1)]
-                edges = max(tried, key=gain)
+                edges = tried[np.argmax(gains(tried))]
     return _between(edges, np.arange(loud.size) + 0.5, first)
 
 

@@ -9,7 +9,7 @@ from .._chance import course_log_chance
 from ..spectrum._ordinates import Ordinates
 from ..spectrum._search import Model
 from ..spectrum._structure import Data
-from ._blocks import FINE_BLOCKS, Scan, Stretch, blocks_of, length_of
+from ._blocks import FINE_BLOCKS, Scan, Stretch, Waves, blocks_of, length_of
 from ._course import Course, late, ordinate_variance, oscillation, step, warm_up
 from ._step_scores import step_sums
 
@@ -86,7 +86,8 @@ def _oscillations(scan: Scan, longest: tuple[int, int], samples: int) -> list[Co
         # Too few periods in a shorter stretch are no more than its ramp.
         heard = periods * part > _TOO_FEW_PERIODS
         if heard.any():
-            gains[heard] += stretch.gains(_slow_waves(stretch.count, part, periods.size)[heard])
+            waves = _slow_waves(stretch.count, part, periods.size)
+            gains[heard] += stretch.gains(waves)[heard]
             sizes += 2
     courses, time = [], blocks.time - longest[0]
     every = np.arange(samples) - float(longest[0])
@@ -96,15 +97,15 @@ def _oscillations(scan: Scan, longest: tuple[int, int], samples: int) -> list[Co
     closely = 2 * int(np.ceil(4 * min(reach, _SLOW_PIECES))) + 1
     for at in _tops(gains, 4, sizes, places):
         fine = (periods[at] + np.linspace(-0.25, 0.25, closely)) / length
-        each = [scan.gain(oscillation(float(frequency), time).draw()) for frequency in fine]
-        best_place = float(fine[int(np.argmax(each))])
+        each = [oscillation(float(frequency), time).draw() for frequency in fine]
+        best_place = float(fine[int(np.argmax(scan.gains(np.stack(each, axis=1))))])
         courses.append(oscillation(best_place, every)._replace(places=places))
     return courses
 
 
 @lru_cache(maxsize=_SLOW_PIECES)
-def _slow_waves(count: int, part: float, waves: int) -> Float[np.ndarray, "waves two orders"]:
-    """Cosine coefficients of the cosines and sines that are looked for in every round.
+def _slow_waves(count: int, part: float, waves: int) -> Waves:
+    """The cosines and sines that are looked for in every round.
 
     The `count` blocks of a stretch are a `part` of the longest, in which periods are counted.
     """
@@ -125,7 +126,9 @@ def _slow_waves(count: int, part: float, waves: int) -> Float[np.ndarray, "waves
         below = 2 * np.where(same, 1.0, half)
         found[:, 0] += np.where(same, count, cosine / below)
         found[:, 1] += np.where(same, 0.0, sine / below)
-    return found / np.sqrt(2 * count)
+    found /= np.sqrt(2 * count)
+    cosines, sines = found[:, 0], found[:, 1]
+    return Waves(found, np.stack([cosines**2, cosines * sines, sines**2], axis=1))
 
 
 def _warm_ups(scan: Scan, samples: int, paths: dict[str, float], brief: float) -> list[Course]:
@@ -134,9 +137,9 @@ def _warm_ups(scan: Scan, samples: int, paths: dict[str, float], brief: float) -
     length = float(time[-1])
     shortest = min(max(length / 300, 4 * scan.blocks.size, brief), length / 8)
     constants = np.geomspace(shortest, length / 1.5, 24)
-    ways = np.stack([scan.directions(np.exp(-time / c)[:, None])[:, 0] for c in constants])
-    path = paths.setdefault("warm_up", _path(np.sum(ways[1:] * ways[:-1], axis=1)))
-    gains = (ways @ scan.white) ** 2
+    ways = scan.directions(np.exp(-time[:, None] / constants))
+    path = paths.setdefault("warm_up", _path(np.sum(ways[:, 1:] * ways[:, :-1], axis=0)))
+    gains = (scan.white @ ways) ** 2
     return [
         warm_up(float(constants[at]), samples)._replace(length=path)
         for at in _tops(gains, 3, 1, 1.0, path)[:1]
