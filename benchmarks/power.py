@@ -38,10 +38,15 @@ def effects() -> dict[str, tuple[float, int]]:
         # Neither is an effect of its own.
         if name not in ("droop", "bump")
     }
-    found["sinusoid"] = (
-        threshold(lambda gain: line_log_chance(gain / 2, SAMPLES), LINE_ALARM * ALARM),
-        2,
-    )
+    for name, frequency in (("sinusoid", 0.25), ("sinusoid of 1000 periods", 1000 / SAMPLES)):
+        found[name] = (
+            threshold(
+                lambda gain, frequency=frequency: line_log_chance(gain / 2, frequency, SAMPLES),
+                LINE_ALARM * ALARM,
+            ),
+            # The frequency is the best one near the true one.
+            3,
+        )
     found["temperature, measured"] = (threshold(lambda gain: course_log_chance(gain, 1, KNOWN)), 1)
     # A ring of unknown place, frequency and damping: some thirty of these at every sample.
     found["disturbance"] = (

@@ -296,8 +296,8 @@ def _reconsider_lines(state: Investigation) -> None:
         _drop_unless(
             state,
             line,
-            lambda gain, _: (
-                line_log_chance(gain / 2, state.spectrum.longest)
+            lambda gain, _, frequency=line.shape["frequency"]: (
+                line_log_chance(gain / 2, frequency, state.spectrum.longest)
                 <= np.log(LINE_ALARM * state.alarm)
             ),
         )

@@ -260,7 +260,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
         for other in scan(evenly(rest, time), loose)
         if abs(other.frequency - sine.frequency) < close
     ]
-    alone = line_log_chance(sine.gain / 2, samples) < np.log(loose)
+    alone = line_log_chance(sine.gain / 2, sine.frequency, samples) < np.log(loose)
     # A line that wanders shows one peak after another within its width.
     same = [
         course for course in state.lines if abs(course.shape["frequency"] - sine.frequency) < close

@@ -6,6 +6,7 @@ import pytest
 from allanfit.explain._investigate import investigate
 from allanfit.explain._rounds import take_one
 from allanfit.explain._state import begin
+from allanfit.explain.lines._lines import line_log_chance, scan
 
 SAMPLES = 16_384
 ALARM = 0.0008
@@ -83,3 +84,20 @@ def test_a_line_is_one_where_samples_are_lost_at_known_places():
     assert state.sized is not None
     assert np.hypot(*state.sized.sizes) == pytest.approx(0.3, abs=4 * np.sqrt(2 / SAMPLES))
     assert state.lines[0].shape["frequency"] == pytest.approx(0.323, abs=0.1 / SAMPLES)
+
+
+def test_noise_has_as_strong_a_band_as_seldom_as_said():
+    """One record in ten at most: of 600 more than 78 by chance of .01."""
+    rng = np.random.default_rng(5)
+    peaks = [scan(rng.standard_normal(4000), 0.1) for _ in range(600)]
+    seen = sum(bool(found) for found in peaks)
+    assert 30 < seen <= 78
+
+
+@pytest.mark.parametrize("samples", [4000, 400_000])
+def test_all_frequencies_share_the_chance_of_a_false_alarm(samples):
+    """Ordinates are each exponential: their chances at an alarm of p add up to p."""
+    orders = np.arange(100, samples // 2 + 1)
+    # 2.2 places an ordinate between them, which is what the search between ordinates costs.
+    each = np.exp([line_log_chance(40.0, order / samples, samples) + 40.0 for order in orders])
+    assert np.sum(2.2 / each) == pytest.approx(1, abs=0.03)

@@ -20,6 +20,8 @@ _NARROWER = 3.0
 _SLOWEST = 100
 # Steps to either side of a peak's middle where its strongest frequency is looked for.
 _REFINED = 16
+# A window this many deviations above its mean is looked at closely.
+_MUCH = 2.0
 # Sums in which they are looked for: a phase turns by a thousandth of a cycle within one.
 _SUMS = 4096
 # Cycles over a record, from half the sampling rate, at which a sinusoid and its image overlap, and
@@ -29,7 +31,7 @@ _HALF, _TWICE = 2, 6.0
 _ROUGH = 0.1
 # Independent places for each ordinate, of one line between ordinates and of windows of all widths;
 # the chances that follow hold on simulated white noise.
-_PADDED_TRIALS = 3.0
+_PADDED_TRIALS = 2.2
 _WINDOW_TRIALS = 30.0
 
 
@@ -67,10 +69,12 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     # Half the sampling rate has one phase: as exponential as the others with the same chance.
     fine[-1] = -np.log(2) - norm.logsf(np.sqrt(fine[-1]))
     power = fine[::2].copy()
+    trials = np.log(_places(np.arange(power.size, dtype=float), samples))
     peaks: list[Peak] = []
     taken = np.zeros(fine.size, bool)
     while len(peaks) < _MOST:
-        found = _strongest(np.where(taken, 0.0, fine), np.where(taken[::2], 1.0, power), samples)
+        left = np.where(taken, 0.0, fine), np.where(taken[::2], 1.0, power)
+        found = _likeliest(*left, trials, samples)
         if found.log_p > np.log(p_value):
             break
         peaks.append(found)
@@ -80,42 +84,73 @@ def scan(white: Float[np.ndarray, " samples"], p_value: float) -> list[Peak]:
     return peaks
 
 
-def _strongest(
-    fine: Float[np.ndarray, " padded"], power: Float[np.ndarray, " ordinates"], samples: int
+def _likeliest(
+    fine: Float[np.ndarray, " padded"],
+    power: Float[np.ndarray, " ordinates"],
+    trials: Float[np.ndarray, " ordinates"],
+    samples: int,
 ) -> Peak:
-    top = int(np.argmax(fine))
-    strongest = float(fine[top])
-    best = Peak(top / (2 * samples), 0.5 / samples, strongest, line_log_chance(strongest, samples))
+    """The band that chance makes least often, given the log of the `_places` of each ordinate."""
+    top = int(np.argmax(fine - np.repeat(trials, 2)[: fine.size]))
+    strongest, frequency = float(fine[top]), top / (2 * samples)
+    log_p = line_log_chance(strongest, frequency, samples)
+    best = Peak(frequency, 0.5 / samples, strongest, log_p)
     total = np.concatenate([[0.0], np.cumsum(power)])
     width = 2
     while width < min(_BROAD * power.size, power.size - 1 - _SLOWEST):
         # Half a window apart; a window's power is Gamma with its width for shape.
-        start = np.arange(_SLOWEST, power.size - width - 1, max(1, width // 2))
+        step = width // 2
+        start = np.arange(_SLOWEST, power.size - width - 1, step)
         inside = total[start + width] - total[start]
         # Broad for its frequency, a band is no line, and the level need not be flat within it.
-        inside = np.where(width < _BROAD * start, inside, 0.0)
-        at = int(np.argmax(inside))
-        # Many widths are looked at, and the narrowest that says as much is best.
-        log_p = _log_tail(float(inside[at]), width) + float(np.log(_WINDOW_TRIALS * start.size))
-        if log_p < best.log_p - _NARROWER:
-            middle = (start[at] + (width - 1) / 2) / samples
-            best = Peak(float(middle), width / (2 * samples), float(inside[at] / width), log_p)
+        much = np.flatnonzero((inside > width + _MUCH * width**0.5) & (width < _BROAD * start))
+        if much.size:
+            start, inside = start[much], inside[much]
+            chance = _log_bound(inside, width) + trials[start]
+            at = int(np.argmin(chance))
+            # Many widths are looked at, and the narrowest that says as much is best.
+            log_p = _log_tail(float(inside[at]), width) + float(trials[start[at]])
+            log_p += np.log(_WINDOW_TRIALS / step)
+            if log_p < best.log_p - _NARROWER:
+                middle = (start[at] + (width - 1) / 2) / samples
+                ratio = float(inside[at] / width)
+                best = Peak(float(middle), width / (2 * samples), ratio, log_p)
         width *= 2
     return best
 
 
-def line_log_chance(power: float, samples: int) -> float:
-    """Log of the chance that a periodogram of white noise is as strong as this anywhere."""
-    trials = _PADDED_TRIALS * (samples // 2 + 1)
+def line_log_chance(power: float, frequency: float, samples: int) -> float:
+    """Log of the chance of such a power of white noise at this frequency or the like elsewhere.
+
+    The power is that of a periodogram, over its mean; frequencies in cycles per sample.
+    """
+    trials = _PADDED_TRIALS * _places(np.array([frequency * samples]), samples)[0]
     return min(0.0, float(np.log(trials) - power))
+
+
+def _places(order: Float[np.ndarray, " orders"], samples: int) -> Float[np.ndarray, " orders"]:
+    """Among how many ordinates one of some order shares the chance of a false alarm.
+
+    Half of it belongs to all alike, and half to all octaves alike: machines and sensors have lines
+    at any scale of frequency, and most ordinates are in the highest octaves.
+    """
+    every = samples // 2 + 1
+    alike = np.maximum(order, _SLOWEST) * np.log(max(every / _SLOWEST, np.e))
+    return 2 / (1 / every + 1 / alike)
+
+
+def _log_bound(power: Float[np.ndarray, " windows"], width: int) -> Float[np.ndarray, " windows"]:
+    """Chernoff's bound on the log of the chance of more power in so many ordinates."""
+    power = np.maximum(power, width)
+    return width - power + width * np.log(power / width)
 
 
 def _log_tail(power: float, width: int) -> float:
     """Log of the chance of more power in that many ordinates; Chernoff's bound far out."""
     if power <= width:
         return 0.0
-    bound = -(power - width) + width * np.log(power / width)
-    return float(bound) if bound < -500 else float(gamma.logsf(power, width))
+    bound = float(_log_bound(np.array([power]), width)[0])
+    return bound if bound < -500 else float(gamma.logsf(power, width))
 
 
 class Sine(NamedTuple):
