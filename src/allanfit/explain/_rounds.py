@@ -24,7 +24,7 @@ from .spectrum._whiten import level
 
 _MOST_LINES = 12
 # Lines are looked for in as many places as there are ordinates: so many times the alarm is theirs.
-LINE_ALARM = 4.0
+LINE_ALARM = 3.0
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
 # Options of the scan at full resolution: peaks of few ordinates and of more.
