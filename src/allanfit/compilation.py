@@ -30,6 +30,9 @@ def configure_program() -> None:
     from platformdirs import user_cache_path
 
     jax.config.update("jax_enable_x64", True)
+    # Of many small computations each waits for the last: to wake another thread, on another core,
+    # takes longer than they do.
+    jax.config.update("jax_cpu_enable_async_dispatch", False)
     shorten_compilation(user_cache_path("allanfit") / "compiled")
 
 
