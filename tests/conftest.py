@@ -16,8 +16,6 @@ from allanfit.compilation import shorten_compilation  # noqa: E402
 
 # Float64 throughout, as on the command line; tests of float32 turn it off for themselves.
 jax.config.update("jax_enable_x64", True)
-# As there too.
-jax.config.update("jax_cpu_enable_async_dispatch", False)
 
 
 def pytest_configure(config: pytest.Config) -> None:
