@@ -158,8 +158,7 @@ def _body_slope(
     """The same of the body."""
     if not boxes:
         return x**2 - 1
-    grid, logarithm = _sum_of_uniform(boxes)
-    slope = np.append(np.diff(logarithm) / grid[1], 0.0)
+    grid, _, slope = _sum_of_uniform(boxes)
     at = np.minimum(np.abs(x) / grid[1], grid.size - 1).astype(int)
     return -np.abs(x) * slope[at] - 1
 
@@ -170,15 +169,20 @@ def _body(
     """Of a normal value and uniform ones within `boxes` together, of variance 1."""
     if not boxes:
         return normal(x)
-    grid, logarithm = _sum_of_uniform(boxes)
+    grid, logarithm, _ = _sum_of_uniform(boxes)
     return np.exp(np.interp(np.abs(x), grid, logarithm, right=-_FAR))
 
 
 @lru_cache
 def _sum_of_uniform(
     boxes: tuple[float, ...],
-) -> tuple[Float[np.ndarray, " points"], Float[np.ndarray, " points"]]:
-    """The log density of a sum, which is the transform of the product of its parts' own."""
+) -> tuple[
+    Float[np.ndarray, " points"], Float[np.ndarray, " points"], Float[np.ndarray, " points"]
+]:
+    """The log density of a sum on a grid, and its slope from each point to the next.
+
+    It is the transform of the product of its parts' own.
+    """
     half = np.asarray(boxes)
     rest = 1 - np.sum(half**2) / 3
     step = 2 * _GRID_REACH / _GRID_POINTS
@@ -191,7 +195,8 @@ def _sum_of_uniform(
     # Beyond all uniform parts the tail is that of the normal one.
     beyond = grid[known:] - grid[known - 1]
     tail = logarithm[-1] + beyond * (logarithm[-1] - logarithm[-2]) / step - beyond**2 / 2 / rest
-    return grid, np.concatenate([logarithm, tail])
+    whole = np.concatenate([logarithm, tail])
+    return grid, whole, np.append(np.diff(whole) / step, 0.0)
 
 
 # Written out: SciPy's take five times as long, mostly to look at their arguments.
