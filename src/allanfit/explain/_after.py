@@ -15,8 +15,8 @@ from ..identify import Fit
 from ..identify._ramp import RampData, draw_ramps
 from ..recording._checks import usable
 from ._state import Investigation
+from .spectrum._model import rise_without
 from .spectrum._posterior import Draws
-from .spectrum._search import rise_without
 
 
 def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:

@@ -10,8 +10,8 @@ from ..identify._curves_document import curves_document, listed
 from ._effect import Effect
 from ._state import Investigation
 from .courses._course import fallen
-from .spectrum._climb import effects_density
-from .spectrum._search import mean_density
+from .spectrum._density import effects_density
+from .spectrum._model import mean_density
 from .values._clock import logged_density
 
 _BLOCKS = 360

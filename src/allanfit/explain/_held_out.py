@@ -17,8 +17,8 @@ from jaxtyping import Float
 from scipy.linalg import eigh, hadamard
 
 from .courses._sums import Moved
+from .spectrum._model import Model, best, five_terms, mean_density
 from .spectrum._ordinates import Bins, Ordinates, binned
-from .spectrum._search import Model, best, five_terms, mean_density
 from .spectrum._structure import TERMS, Data
 from .values._held_out import Gain
 

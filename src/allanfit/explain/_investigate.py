@@ -41,7 +41,7 @@ from .courses._switches import of_switches, without_switches
 from .courses._taken_switches import take_process, take_switches, without_spikes
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
-from .spectrum import _search
+from .spectrum import _model, _search
 from .spectrum._leakage import take_bump
 from .spectrum._narrow import narrow_noises
 from .strength._knocks import moved_while_loud
@@ -262,8 +262,8 @@ def _reconsider(state: Investigation) -> None:
     place = 0
     while place < len(state.model.kinds.names):
         names = state.model.kinds.names
-        start = _search.without(state.model, place)
-        less = _search.best([(start.kinds, start.theta)], state.data)[0]
+        start = _model.without(state.model, place)
+        less = _model.best([(start.kinds, start.theta)], state.data)[0]
         gain = less.deviance - state.model.deviance
         if log_chance(names[place], gain) > np.log(LEEWAY * state.alarm):
             gone = state.findings_of(names)[place]
@@ -326,6 +326,6 @@ def _leftover(state: Investigation) -> None:
 
 def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
     """Whether a bump is about a line or a resonance of the model."""
-    middle, _ = _search.shaping_shape(bump.model, state.data)
+    middle, _ = _model.shaping_shape(bump.model, state.data)
     peaks = narrow_noises(state.model, float(state.data.samples))
     return any(abs(middle - one.middle) < _PEAK * one.width for one in peaks)

@@ -8,7 +8,8 @@ from jaxtyping import Float
 
 from ..identify._goodness import goodness_of_fit
 from ._state import Investigation
-from .spectrum._climb import deviances, expected_density
+from .spectrum._climb import deviances
+from .spectrum._density import expected_density
 from .spectrum._narrow import narrow_noises
 from .spectrum._structure import EACH, active
 

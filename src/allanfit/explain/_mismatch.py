@@ -10,7 +10,7 @@ from ._chance import log_chance
 from ._effect import Effect
 from ._state import Investigation
 from .courses import _course
-from .spectrum import _search
+from .spectrum import _model
 from .values._clock import logged_density
 
 # Part of the evidence that a reported band holds.
@@ -185,10 +185,10 @@ def _band(state: Investigation, effect: Effect, dt: float) -> tuple[float, float
         if effect.band_hz is not None:
             return effect.band_hz
         return 0.5 / (state.spectrum.longest * dt), 0.5 / dt
-    start = _search.without(state.model, state.model.kinds.names.index(name))
-    less = _search.best([(start.kinds, start.theta)], state.data)[0]
-    after = _search.mean_density(state.model, state.data)
-    before = _search.mean_density(less, state.data)
+    start = _model.without(state.model, state.model.kinds.names.index(name))
+    less = _model.best([(start.kinds, start.theta)], state.data)[0]
+    after = _model.mean_density(state.model, state.data)
+    before = _model.mean_density(less, state.data)
     bins = state.data.bins
     evidence = np.where(bins.used, np.asarray(bins.shape) * (after / before - 1) ** 2, 0.0)
     frequency, evidence = bins.frequency[bins.used], evidence[bins.used]

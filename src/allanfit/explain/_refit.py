@@ -13,7 +13,7 @@ from ._state import Finding, Investigation, Summed
 from .courses import _course
 from .courses._course import Course, Sized
 from .courses._sums import Moved, Products, Summing
-from .spectrum import _search
+from .spectrum import _model
 from .spectrum._ordinates import bin_edges, binned
 from .spectrum._structure import EACH, RUNNING_MEAN, TERMS, sieve
 
@@ -40,7 +40,7 @@ def refit(state: Investigation) -> None:
     state.data = state.data._replace(foreign=min(2 * (state.foreign + rounded), most))
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
-    state.model = min(_search.best(starts, state.data), key=lambda model: model.deviance)
+    state.model = min(_model.best(starts, state.data), key=lambda model: model.deviance)
 
 
 def rebin(state: Investigation) -> None:
@@ -170,4 +170,4 @@ def resize(state: Investigation) -> None:
 
 def _fit_what_is_left(state: Investigation) -> None:
     state.data = state.data._replace(bins=binned(state.left, state.edges))
-    state.model = _search.best([(state.model.kinds, state.model.theta)], state.data)[0]
+    state.model = _model.best([(state.model.kinds, state.model.theta)], state.data)[0]

@@ -18,7 +18,8 @@ from .courses._shapes import at_its_edges, refined, together
 from .lines._lines import Peak, Sine, evenly, line_log_chance, refine, scan
 from .spectrum import _search
 from .spectrum._leakage import leave_leakage
-from .spectrum._search import Candidate, rarity
+from .spectrum._model import rarity
+from .spectrum._search import Candidate
 from .spectrum._structure import NARROW
 from .spectrum._whiten import level
 

@@ -14,7 +14,8 @@ from .courses import _course
 from .courses._course import Course, Sized
 from .courses._sums import Moved, Products, Summing
 from .lines._lines import Peak
-from .spectrum import _search
+from .spectrum import _model
+from .spectrum._model import Model
 from .spectrum._ordinates import (
     Ordinates,
     above_leakage,
@@ -22,7 +23,7 @@ from .spectrum._ordinates import (
     binned,
     ordinates,
 )
-from .spectrum._search import Candidate, Model
+from .spectrum._search import Candidate
 from .spectrum._structure import (
     Data,
     Kinds,
@@ -276,7 +277,7 @@ def begin(
     bins = binned(spectrum, edges)
     averaging = float(sampling == "averaged")
     data = Data(bins, float(spectrum.longest), 0.0, 1.0, np.ones(4, bool), averaging)
-    first = _search.five_terms(power, data)
+    first = _model.five_terms(power, data)
     return Investigation(
         values,
         pieces,

@@ -15,12 +15,12 @@ from .lines._changing import look_at_lines
 from .lines._harmonics import Line, families
 from .lines._line_or_resonance import tell_apart
 from .lines._waveform import waveform
-from .spectrum import _search
-from .spectrum._climb import filter_slopes
+from .spectrum import _model, _search
+from .spectrum._density import filter_slopes
 from .spectrum._leakage import take_bump
+from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
-from .spectrum._search import Model
 from .spectrum._structure import EACH, TERMS, UNNAMED
 from .strength._changing import (
     TILE,
@@ -130,7 +130,7 @@ def _far_below_corner(state: Investigation, frequency: float) -> bool:
 
 def _corner(state: Investigation) -> float:
     """Of the filter in the model [cycles per sample]."""
-    return _search.shaping_shape(state.model, state.data)[0]
+    return _model.shaping_shape(state.model, state.data)[0]
 
 
 def _corner_moves(
@@ -161,14 +161,14 @@ def _bump_instead(state: Investigation) -> None:
     if state.disowned & set(kinds.names) or state.disowned_noises:
         return
     bare = Model(kinds._replace(shaping=None, added=()), state.model.theta[:4], np.inf)
-    bare = _search.best([(bare.kinds, bare.theta)], state.data)[0]
+    bare = _model.best([(bare.kinds, bare.theta)], state.data)[0]
     found = _search.bumps(bare, state.data)
     if not found:
         return
     bump = found[0]
     named = sum(score(name, 0.0) for name in kinds.names) + bare.deviance - state.model.deviance
     named += sum(
-        _search.rarity(state.model, state.data, place)
+        _model.rarity(state.model, state.data, place)
         for place in range(len(kinds.added))
         if place not in state.wandering
     )

@@ -5,8 +5,8 @@ import pytest
 
 from allanfit.explain.courses import _course
 from allanfit.explain.courses._sums import Summing
+from allanfit.explain.spectrum._model import five_terms
 from allanfit.explain.spectrum._ordinates import bin_edges, binned, less_bands, ordinates
-from allanfit.explain.spectrum._search import five_terms
 from allanfit.explain.spectrum._structure import Data
 
 SAMPLES = 30_000

@@ -6,7 +6,9 @@ import pytest
 from scipy.fft import dct
 from scipy.signal import butter, freqz, lfilter
 
-from allanfit.explain.spectrum._climb import climb, expected_density, log_slopes, parts, rescale
+from allanfit.explain.spectrum._climb import climb, rescale
+from allanfit.explain.spectrum._density import expected_density, log_slopes, parts
+from allanfit.explain.spectrum._model import best
 from allanfit.explain.spectrum._ordinates import (
     LEAKAGE_GRID,
     above_leakage,
@@ -15,7 +17,6 @@ from allanfit.explain.spectrum._ordinates import (
     leakage,
     ordinates,
 )
-from allanfit.explain.spectrum._search import best
 from allanfit.explain.spectrum._structure import (
     Data,
     Kinds,

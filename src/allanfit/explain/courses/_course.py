@@ -14,8 +14,8 @@ from jaxtyping import Float
 from scipy.signal import lfilter
 
 from ..spectrum._climb import log_scatter
+from ..spectrum._model import Model, mean_density, rescaled
 from ..spectrum._ordinates import Ordinates, amplitudes, points
-from ..spectrum._search import Model, mean_density, rescaled
 from ..spectrum._structure import EACH, HIGH_PASS, TERMS, Data, shaped
 from ._sums import Moved, Products, Summing
 

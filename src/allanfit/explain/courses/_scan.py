@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from .._chance import course_log_chance
+from ..spectrum._model import Model
 from ..spectrum._ordinates import Ordinates
-from ..spectrum._search import Model
 from ..spectrum._structure import Data
 from ._blocks import FINE_BLOCKS, Scan, Stretch, Waves, blocks_of, length_of
 from ._course import Course, late, ordinate_variance, oscillation, step, warm_up

@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._state import Investigation
-from ..spectrum import _search
-from ..spectrum._climb import gain_at, noise_at
+from ..spectrum import _model
+from ..spectrum._density import gain_at, noise_at
 from ..spectrum._ordinates import ordinates
 from ..spectrum._structure import EACH, shape_of
 from ..spectrum._whiten import level, whitened
@@ -96,7 +96,7 @@ def _less_levels(
     values = whole.values[slice(*whole.longest)]
     path = _levels_in_time(values, levels.high, round(constant))
     names = whole.model.kinds.names
-    bare = _search.without(whole.model, names.index("gauss_markov"))
+    bare = _model.without(whole.model, names.index("gauss_markov"))
     spectrum = ordinates((values - height * path,), whole.sampling)
     expected = level(spectrum, _course.ordinate_variance(spectrum, bare, whole.data))
     white = whitened(values, spectrum, expected)

@@ -5,7 +5,7 @@ import numpy as np
 from .._refit import add_course, exchange_course, go_back, refit, remembered
 from .._rounds import smooth_options, take_strong_lines
 from .._state import Finding, Investigation, whitened_piece
-from ..spectrum import _search
+from ..spectrum import _model
 from ..strength._lasting import about_spread
 from ..values._alone import read_again
 from ..values._held_out import Gain
@@ -55,7 +55,7 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
     before = state.cost
     if "gauss_markov" in names:
         state.findings = [each for each in state.findings if each.name != "gauss_markov"]
-        state.model = _search.without(state.model, names.index("gauss_markov"))
+        state.model = _model.without(state.model, names.index("gauss_markov"))
     found = Finding(seen.course.name, 0.0, 0.0)
     add_course(state, seen.course, found)
     for _ in range(_MOST_LOOKS):

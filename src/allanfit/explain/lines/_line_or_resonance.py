@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from .._state import Investigation, whitened_piece
-from ..spectrum import _search
+from ..spectrum import _model
+from ..spectrum._model import Model
 from ..spectrum._narrow import Narrow, alone, density_of, narrow_groups, narrow_noises, resolve
-from ..spectrum._search import Model
 from ..spectrum._structure import EACH, NARROW, bounds, free
 from ._one_phase import OnePhase, one_phase
 from ._tracked import normal_likelihood, tracked_likelihood
@@ -56,8 +56,8 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     tracked = _tracked(state, white, one, fitted[_LINE])
     # As twice the log of the odds, which scores are.
     gain = fitted[_RESONANCE].deviance - fitted[_LINE].deviance + 2 * tracked
-    gain += _search.rarity(fitted[_LINE], state.data, one.place)
-    gain -= _search.rarity(fitted[_RESONANCE], state.data, one.place)
+    gain += _model.rarity(fitted[_LINE], state.data, one.place)
+    gain -= _model.rarity(fitted[_RESONANCE], state.data, one.place)
     best, other = (_LINE, _RESONANCE) if gain > 0 else (_RESONANCE, _LINE)
     top = max((finding.rivals[name] for name in NARROW if name in finding.rivals), default=0.0)
     finding.rivals |= {best: top, other: top - abs(gain)}
@@ -108,7 +108,7 @@ def _as(state: Investigation, one: Narrow, name: str) -> Model:
         shape = shape / one.middle if name == _LINE else shape * one.middle
         theta[begin + 1 : begin + EACH] = free(one.middle, *first), free(shape, *second)
         starts.append((kinds._replace(added=added), theta))
-    return min(_search.best(starts, state.data), key=lambda model: model.deviance)
+    return min(_model.best(starts, state.data), key=lambda model: model.deviance)
 
 
 def _tracked(

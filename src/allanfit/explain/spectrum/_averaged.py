@@ -11,9 +11,9 @@ from jaxtyping import Float
 
 from .._chance import score
 from .._state import Investigation
-from . import _search
+from . import _model, _search
+from ._model import Model
 from ._posterior import Draws, sample_structure
-from ._search import Model
 
 # Broad noises stand for one another, lines do not: beside those the coefficients are what they are.
 _BROAD = ("gauss_markov", "power_law")
@@ -65,12 +65,12 @@ def _some(
 def _rivals(state: Investigation, place: int) -> list[_Rival]:
     model, data = state.model, state.data
     name = model.kinds.added[place]
-    own = score(name, 0.0) + _search.rarity(model, data, place)
+    own = score(name, 0.0) + _model.rarity(model, data, place)
     found = []
     for other in _BROAD:
         rival = _search.instead(model, place, other, data) if other != name else None
         if rival is not None:
-            worth = score(other, model.deviance - rival.deviance) + _search.rarity(rival, data)
+            worth = score(other, model.deviance - rival.deviance) + _model.rarity(rival, data)
             odds = float(np.exp(np.clip((worth - own) / 2, -50, 0)))
             if odds > _OPEN:
                 found.append(_Rival(rival, odds))

@@ -10,10 +10,10 @@ from .._refit import rebin
 from .._state import Investigation
 from ..lines._moving import Band
 from ..lines._tracked import Baseband, inside, narrow_band
-from . import _search
-from ._climb import effects_density, gain_at, noise_at
+from . import _model
+from ._density import effects_density, gain_at, noise_at
+from ._model import Model
 from ._ordinates import bin_edges
-from ._search import Model
 from ._structure import EACH, NARROW, shape_of
 
 # Bins within a width to either side of a peak that show its shape.
@@ -81,7 +81,7 @@ def beside(
     bins = state.data.bins
     every = effects_density(state.model.theta, state.model.kinds, state.data)
     own = np.sum([every[each.place] for each in group], axis=0)
-    total = _search.mean_density(state.model, state.data)
+    total = _model.mean_density(state.model, state.data)
     # A difference of two that are nearly equal is still some noise.
     rest = np.maximum(total - own, _LEAST * total)[bins.used]
     return np.exp(np.interp(np.log(frequency), np.log(bins.frequency[bins.used]), np.log(rest)))

@@ -13,9 +13,9 @@ from jaxtyping import Bool, Float
 
 from ...identify._posterior import _ABSENCE
 from .._chance import PRICE
-from ._climb import log_slopes, parts
+from ._density import log_slopes, parts, summed
+from ._model import Model, best, rise_without
 from ._running_mean import nearest_running_means, running_means
-from ._search import Model, best, rise_without
 from ._structure import (
     DROOPING,
     EACH,
@@ -28,7 +28,6 @@ from ._structure import (
     Data,
     active,
     droop_of,
-    foreign,
     free_filter,
     held_rows,
     shape_of,
@@ -137,7 +136,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
         return theta
 
-    held, alien = held_rows(data), foreign(data)
+    held = held_rows(data)
 
     def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
         with np.errstate(all="ignore"):
@@ -146,9 +145,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
             rows, bump, added = parts(theta, kinds, data, held)
             rows = rows[:, terms]
             power = np.exp(theta[:, place[:count]])
-            total = (power[:, None] @ rows)[:, 0] + alien * bump
-            for each in added:
-                total = total + each * bump
+            total = summed(power, rows, bump, added, data)
             excess = density / total - 1
             value = -(excess - np.log1p(excess)) @ shape
             relative = rows / total[:, None]
@@ -187,9 +184,7 @@ def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
     """Standard deviations of the powers, the effects held; as `identify._posterior.coordinates`."""
     rows, bump, added = parts(model.theta[None], model.kinds, data, held_rows(data))
     power = np.where(np.asarray(data.terms), np.exp(model.theta[:TERMS]), 0.0)
-    total = power @ rows[0] + foreign(data) * bump[0]
-    total = total + sum((each[0] * bump[0] for each in added), np.zeros_like(total))
-    relative = rows[0] / total
+    relative = rows[0] / summed(power[None], rows, bump, added, data)[0]
     information = (relative * np.asarray(data.bins.shape)) @ relative.T
     unit = np.sqrt(np.diag(information))
     correlation = information / unit / unit[:, None] + 1e-6 * np.eye(TERMS)

@@ -7,7 +7,7 @@ from .._intervals import runs
 from .._refit import rebin, refit
 from .._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ..lines._lines import scan
-from ..spectrum import _search
+from ..spectrum import _model
 from ..spectrum._ordinates import bin_edges, binned, ordinates
 from ..spectrum._whiten import level, without_ends
 from ..values import _discrete
@@ -301,7 +301,7 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
     spectrum = ordinates(quiet, state.sampling)
     bins = binned(spectrum, bin_edges(spectrum.longest))
     data = state.data._replace(bins=bins, samples=float(spectrum.longest))
-    alone = _search.five_terms(np.exp(state.model.theta[:4]), data)
+    alone = _model.five_terms(np.exp(state.model.theta[:4]), data)
     # Behind a filter five terms know no N, and loud times add nothing to nothing.
     return max(float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1])), 0.0)
 

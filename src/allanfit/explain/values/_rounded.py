@@ -5,7 +5,7 @@ import numpy as np
 from ...recording._checks import usable
 from .._refit import rebin, refit
 from .._state import Finding, Investigation
-from ..spectrum import _search
+from ..spectrum import _model
 from ..spectrum._climb import log_scatter
 from ._codes import UNROUNDED, Rounding, rounding
 from ._held_out import of_codes, of_rails
@@ -60,7 +60,7 @@ def _beside_n(state: Investigation) -> bool:
     rules = 2 * quantization > state.format.sigma**2 / 2
     if not rules or state.format.width**2 / 12 < _ADDED * white:
         return False
-    return _search.rise_without(1, state.model, state.data) > _KNOWN
+    return _model.rise_without(1, state.model, state.data) > _KNOWN
 
 
 def about_angle(state: Investigation) -> bool:
@@ -95,7 +95,7 @@ def _rate_is_rounded(state: Investigation) -> float:
     alike = _ROUGH + 2 * np.exp(-2 * (np.pi * move) ** 2)
     deviation = float(np.hypot(np.sqrt(covariance[0, 0]), alike))
     score = (model.theta[0] - np.log(width**2 / 12)) / max(deviation, 1e-9)
-    absent = _search.rise_without(0, model, state.data)
+    absent = _model.rise_without(0, model, state.data)
     # Between what was fitted and none at all nothing is worse than none.
     misfit = min(score**2, absent) if score > 0 else score**2
     vague = 0.5 * np.exp(-absent / 2) + 0.5 * min(deviation * np.sqrt(2 * np.pi) / 10, 1.0)

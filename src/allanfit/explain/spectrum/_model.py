@@ -1,0 +1,122 @@
+"""A structure at its best parameters, and what it is like."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
+from ._density import ON_TRIAL, TOGETHER, expected_density
+from ._structure import EACH, TERMS, Data, Kinds, shape_of
+
+# Less than this in a step, and another start of the same name is ahead or soon will be; so it is
+# with such a part of what a poor model leaves beyond one a bin.
+_ROUGH_GAIN, _ROUGH_SHARE = 0.02, 1e-3
+# Part of the spectrum that a term is given to start with.
+_FAINT = 1e-4
+# Quality and relative width up to which they are usual, and the power with which they become rare.
+_USUAL = {"resonance": 150.0, "drifting_line": 0.01}
+_RARER = 1.5
+# And the correlation time in samples from which on it is usual.
+_SHORTEST = 2.0
+
+
+class Model(NamedTuple):
+    """A structure at its best parameters."""
+
+    kinds: Kinds
+    theta: np.ndarray
+    #: Sum of squared deviance residuals.
+    deviance: float
+
+
+def five_terms(power: np.ndarray, data: Data) -> Model:
+    """The five-term model at its best, from squared coefficients for a sampling interval of one."""
+    with np.errstate(divide="ignore"):
+        return best([(Kinds(), np.log(power))], data)[0]
+
+
+def best(
+    starts: list[tuple[Kinds, np.ndarray]],
+    data: Data,
+    steps: int = MOST_STEPS,
+    *,
+    rough: bool = False,
+) -> list[Model]:
+    """Where each start leads in so many steps; those of one kind climb together.
+
+    Two of them all the way, since more wait for the last, and more on the first few steps; `rough`
+    is near enough to say which start leads furthest.
+    """
+    together = TOGETHER if steps == MOST_STEPS else ON_TRIAL
+    # A term at zero may still be wanted by finer bins or beside other effects, but a power whose
+    # logarithm runs away never returns: it starts where it hardly shows.
+    level = np.median(data.bins.density[data.bins.used])
+    least = np.log(_FAINT * level / np.asarray(data.bins.expected)[data.bins.used].max(axis=0))
+    enough = (_ROUGH_GAIN, _ROUGH_SHARE) if rough else (LEAST_GAIN, 0.0)
+    alike: dict[Kinds, list[int]] = {}
+    for place, (kinds, _) in enumerate(starts):
+        alike.setdefault(kinds, []).append(place)
+    found: dict[int, Model] = {}
+    for kinds, places in alike.items():
+        for begin in range(0, len(places), together):
+            group = places[begin : begin + together]
+            thetas = np.stack([starts[place][1] for place in group])
+            thetas[:, :TERMS] = np.maximum(thetas[:, :TERMS], least)
+            reached = climb(thetas, kinds, data, enough, steps)
+            for place, theta, deviance in zip(group, *reached, strict=True):
+                value = float(deviance) if np.isfinite(deviance) else np.inf
+                found[place] = Model(kinds, theta, value)
+    return [found[place] for place in range(len(starts))]
+
+
+def rescaled(model: Model, data: Data) -> Model:
+    """The model with the powers that fit `data` best, its shapes held."""
+    theta, deviance = rescale(model.theta, model.kinds, data)
+    return Model(model.kinds, theta, deviance)
+
+
+def without(model: Model, place: int) -> Model:
+    """The structure less one of `kinds.names`, where its other parameters are."""
+    kinds, begin = model.kinds, TERMS + EACH * place
+    kept = np.concatenate([model.theta[:begin], model.theta[begin + EACH :]])
+    if kinds.shaping is not None and place == 0:
+        return Model(kinds._replace(shaping=None, last=False), kept, model.deviance)
+    place -= kinds.shaping is not None
+    added = kinds.added[:place] + kinds.added[place + 1 :]
+    return Model(kinds._replace(added=added), kept, model.deviance)
+
+
+def mean_density(model: Model, data: Data) -> np.ndarray:
+    """The expected density of each bin."""
+    return expected_density(model.theta, model.kinds, data)
+
+
+def shaping_shape(model: Model, data: Data) -> tuple[float, float]:
+    """The two shape parameters of what shapes the model: a filter's cut-off and order, say."""
+    three = model.theta[TERMS : TERMS + EACH]
+    cutoff, order = shape_of(model.kinds.shaping or "", three, data.samples)
+    return float(cutoff), float(order)
+
+
+def rise_without(term: int, model: Model, data: Data) -> float:
+    """How much the deviance rises without one of Q, N, B, K, all else fitted again."""
+    terms = np.array(data.terms)
+    terms[term] = False
+    less = best([(model.kinds, model.theta)], data._replace(terms=terms))[0]
+    return less.deviance - model.deviance
+
+
+def rarity(model: Model, data: Data, place: int = -1) -> float:
+    """Twice the log of how usual an added noise is: where spectra do not tell, engineers do.
+
+    A resonance that rings for hundreds of periods is rare in a sensor, and a line that wanders by
+    more than a hundredth is hardly a line; nor is a bias that is forgotten within two samples one,
+    but white noise behind a filter. `place` is among the noises added, the last by default.
+    """
+    name = model.kinds.added[place] if model.kinds.added else ""
+    if name not in (*_USUAL, "gauss_markov"):
+        return 0.0
+    three = model.theta[model.kinds.first_slot :].reshape(-1, EACH)[place]
+    first, breadth = (float(each) for each in shape_of(name, three, data.samples))
+    excess = _SHORTEST / first if name == "gauss_markov" else breadth / _USUAL[name]
+    return -2 * _RARER * float(np.logaddexp(0.0, np.log(excess)))

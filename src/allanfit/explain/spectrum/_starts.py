@@ -1,0 +1,170 @@
+"""Where the climb to each kind of effect begins, beside a model that is without it."""
+
+import itertools
+
+import numpy as np
+
+from ._density import noise_density
+from ._model import Model, mean_density, shaping_shape
+from ._running_mean import running_means
+from ._structure import (
+    DROOPING,
+    EACH,
+    FLAT,
+    FREE_FILTERS,
+    HIGH_PASS,
+    RUNNING_MEAN,
+    TERMS,
+    WINDOWED,
+    Data,
+    Kinds,
+    bounds,
+    free,
+    free_filter,
+)
+
+# Part of the density that a weak effect has where it is strongest.
+_WEAK = 0.3
+# A filter with a window is looked for where another is of a higher order, or leaves so much
+# deviance a bin; its orders to begin with.
+_STEEP, _POOR = 3.0, 1.25
+_WINDOWS = (12.0, 36.0, 108.0)
+
+Start = tuple[str, Kinds, np.ndarray]
+# Narrow bands that stand out, as (frequency, half width) in cycles per sample.
+Peaks = tuple[tuple[float, float], ...]
+
+
+def added_starts(name: str, peaks: Peaks, model: Model, data: Data) -> list[Start]:
+    """A noise added to the model, of many shapes, each as large as it could be at most."""
+    limits = bounds(name, float(data.samples))
+    mean, used = mean_density(model, data), data.bins.used
+    kinds = model.kinds._replace(added=(*model.kinds.added, name))
+    starts: list[Start] = []
+    for first, second in _shapes(name, data, peaks):
+        three = np.array([0.0, free(first, *limits[0]), free(second, *limits[1])])
+        unit = noise_density(name, three[None], data)[0]
+        strongest = int(np.argmax(np.where(used, unit / mean, 0.0)))
+        # As much as the data have there above the model, but no less than a weak effect has.
+        seen = float(data.bins.density[strongest] / mean[strongest] - 1)
+        much = max(seen, _WEAK)
+        for part in sorted({much, _WEAK}) if name == "gauss_markov" else [much]:
+            three[0] = np.log(part * mean[strongest] / unit[strongest])
+            starts.append((name, kinds, np.concatenate([model.theta, three])))
+    if model.kinds.shaping in (*FREE_FILTERS, *DROOPING) and starts:
+        # What the filter had to bend for before may now be straight.
+        best_start = starts[-1][2]
+        alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
+        for kind, cutoff in itertools.product(alike, (0.15, 0.3, 0.45)):
+            kinds = kinds._replace(shaping=kind)
+            again = best_start.copy()
+            three = free_filter(kind, cutoff, 1.2, float(data.samples), again[TERMS])
+            again[TERMS : TERMS + EACH] = three
+            starts.append((name, kinds, again))
+    return starts
+
+
+def _shapes(name: str, data: Data, peaks: Peaks) -> list[tuple[float, float]]:
+    samples = float(data.samples)
+    if name == "gauss_markov":
+        return [(t, 1.0) for t in np.geomspace(0.6, samples / 12, 8)]
+    if name == "power_law":
+        return [(exponent, 1.0) for exponent in (0.6, 1.5, 2.5)]
+    if name == "resonance":
+        broad = [(f, 2.0) for f in np.geomspace(8 / samples, 0.4, 8)]
+        return broad + [(f, f / (2 * w)) for f, w in peaks]
+    return [(f, w / f) for f, w in peaks]
+
+
+def highest(model: Model, data: Data) -> Peaks:
+    """Where the spectrum stands highest above the model: a narrow and a broad band."""
+    ratio = np.where(data.bins.used, data.bins.density / mean_density(model, data), 1.0)
+    shape = np.asarray(data.bins.shape)
+    # Deviance of three neighbours together, where they are above.
+    kernel = np.ones(3)
+    weight = np.convolve(shape, kernel, "same")
+    mean = np.convolve(shape * ratio, kernel, "same") / np.maximum(weight, 1e-9)
+    excess = np.where(mean > 1, weight * (mean - 1 - np.log(np.maximum(mean, 1e-9))), 0.0)
+    at = int(np.argmax(excess))
+    frequency = float(data.bins.frequency[at])
+    return (frequency, 0.03 * frequency), (frequency, 0.15 * frequency)
+
+
+def filter_starts(model: Model, data: Data) -> list[Start]:
+    """A low-pass filter of each kind, corners all over the spectrum."""
+    density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
+    starts = []
+    for kind, cutoff in itertools.product(FREE_FILTERS, (0.02, 0.08, 0.25, 0.48)):
+        for order in (1.0, 2.5):
+            three = free_filter(kind, cutoff, order, float(data.samples))
+            _, kinds, theta = _shaping_start(kind, three, model)
+            # White noise as it is below the cut-off, and little of what rises beyond it.
+            below = used & (frequency > cutoff / 8) & (frequency < cutoff / 2)
+            if below.any():
+                theta[1] = np.log(np.median(density[below]) / 2)
+            theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
+            starts.append(("low_pass", kinds, theta))
+    for cutoff, order in running_means(data):
+        three = free_filter(RUNNING_MEAN, cutoff, order, float(data.samples))
+        starts.append(("low_pass", *_shaping_start(RUNNING_MEAN, three, model)[1:]))
+    return starts
+
+
+def filtered_last(starts: list[Start]) -> list[Start]:
+    """The same with added noises in front of the filter too, where it is behind the converter."""
+    return [
+        (name, kinds._replace(last=True), theta)
+        for name, kinds, theta in starts
+        if kinds.angle_filtered and kinds.added and not kinds.last
+    ]
+
+
+def droop_starts(model: Model, data: Data) -> list[Start]:
+    """The filter that the model has, of another shape."""
+    starts = []
+    cutoff, order = shaping_shape(model, data)
+    for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
+        theta = model.theta.copy()
+        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
+        starts.append(("droop", model.kinds._replace(shaping=kind), theta))
+    return starts + [("droop", *start) for start in windowed_starts(model, data)]
+
+
+def windowed_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
+    """The filter that the model has, with an edge as steep as it asks for."""
+    cutoff, order = shaping_shape(model, data)
+    poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
+    starts = []
+    for taps in _WINDOWS if (order > _STEEP or poor) and cutoff < 0.5 else ():
+        theta = model.theta.copy()
+        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, taps, data.samples)
+        starts.append((model.kinds._replace(shaping=WINDOWED), theta))
+    return starts
+
+
+def bump_starts(model: Model, data: Data) -> list[Start]:
+    """A bump at each octave and of each kind, as high as the data are there."""
+    starts = []
+    mean, density, shape = mean_density(model, data), data.bins.density, data.bins.shape
+    frequency = data.bins.frequency
+    low, high = frequency[data.bins.used].min(), frequency[data.bins.used].max()
+    for centre in np.geomspace(2 * low, high * 0.9, 12):
+        for shaping, width in itertools.product(("bump", FLAT), (0.15, 0.5)):
+            weight = shape * np.exp(-((np.log(frequency / centre) / width) ** 2) / 2)
+            if weight.sum() < 1:
+                continue
+            height = np.log(np.sum(weight * density / mean) / weight.sum())
+            three = [6 * np.arctanh(np.clip(height, -5, 5) / 6)]
+            limits = bounds(shaping, data.samples)
+            three += [free(centre, *limits[0]), free(width, *limits[1])]
+            starts.append(("bump", *_shaping_start(shaping, three, model)[1:]))
+    limits = bounds(HIGH_PASS, data.samples)
+    for centre, width in itertools.product(np.geomspace(2 * low, high / 4, 8), (0.25, 0.5)):
+        three = [0.0, free(centre, *limits[0]), free(width, *limits[1])]
+        starts.append(("bump", *_shaping_start(HIGH_PASS, three, model)[1:]))
+    return starts
+
+
+def _shaping_start(name: str, three: list[float], model: Model) -> Start:
+    theta = np.concatenate([model.theta[:TERMS], three, model.theta[TERMS:]])
+    return name, model.kinds._replace(shaping=name), theta
