@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from allanfit.datasheet import Shown, datasheet_document, datasheet_from, judge
+from allanfit.datasheet import Measured, Shown, datasheet_document, datasheet_from, judge
 from allanfit.datasheet._lowest import lowest_of_curve, lowest_of_model
 from allanfit.report._datasheet_rows import sheet_notes, sheet_rows
 
@@ -19,7 +19,11 @@ def shown(consistent=True, resolved=SYMBOLS, **values):
     tau = 2.0 ** np.arange(12)
     curve = np.where(tau < 256, 1 / np.sqrt(tau), 1 / 16 * np.sqrt(tau / 256))
     seen = {symbol: symbol in resolved for symbol in SYMBOLS}
-    return Shown(draws, seen, consistent, 1.0, tau, curve, 100_000)
+    told = {
+        symbol: Measured(*(values.get(symbol, 0.0) * at for at in (1.5, 1.025, 1.975, 1.95)))
+        for symbol in SYMBOLS
+    }
+    return Shown(draws, told, seen, consistent, 1.0, tau, curve, 100_000)
 
 
 def judged(lines, evidence):
@@ -42,6 +46,15 @@ def test_a_coefficient_is_met_with_the_share_of_draws_below_it(stated, verdict, 
     assert line.measured == pytest.approx(1.5)
     assert line.interval_95 == pytest.approx((1.025, 1.975), abs=1e-3)
     assert line.as_coefficient is None
+
+
+def test_what_the_fit_tells_is_told_and_not_the_draws_alone():
+    evidence = shown(N=1.0)
+    told = {**evidence.coefficients, "N": Measured(1.5, 1.0, 2.1, 2.0)}
+    lines = {"angle random walk": "1.96 rad/s/√Hz", "noise density": "2.8 rad/s/√Hz"}
+    _, (walk, density) = judged(lines, evidence._replace(coefficients=told))
+    assert (walk.measured, walk.interval_95) == (pytest.approx(1.5), pytest.approx((1.0, 2.1)))
+    assert density.interval_95 == pytest.approx((math.sqrt(2), 2.1 * math.sqrt(2)))
 
 
 def test_a_density_is_one_sided_and_the_other_reading_is_told():

@@ -4,6 +4,7 @@ Start with `read_datasheet`; `allanfit.fit(recording, datasheet=...)` compares.
 """
 
 from ._judge import Judged as Judged
+from ._judge import Measured as Measured
 from ._judge import SheetVerdict as SheetVerdict
 from ._judge import Shown as Shown
 from ._judge import datasheet_document as datasheet_document

@@ -1,5 +1,6 @@
 """Whether a sensor keeps to its data sheet: the posterior probability of each line."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -18,11 +19,26 @@ SheetVerdict = Literal["met", "missed", "cannot be told"]
 _SURE = 0.95
 
 
+class Measured(NamedTuple):
+    """A number with its 95 % interval and its one-sided 95 % limit."""
+
+    middle: float
+    low: float
+    high: float
+    limit: float
+
+    def times(self, factor: float) -> "Measured":
+        """The same in another unit, or under another reading."""
+        return Measured(*(factor * each for each in self))
+
+
 class Shown(NamedTuple):
     """What the fit of a channel shows, in SI."""
 
     draws: Float[np.ndarray, "draws terms"]
     """Q, N, B, K, R from the posterior."""
+    coefficients: Mapping[str, Measured]
+    """As the fit tells them, which allows for noises that are not resolved."""
     resolved: Mapping[str, bool]
     consistent: bool
     """Whether the five terms explain the recording."""
@@ -38,6 +54,7 @@ class _Values(NamedTuple):
     """What a line states, as measured [SI]."""
 
     draws: Float[np.ndarray, " draws"]
+    measured: Measured
     seen: bool
     """False where only an upper limit is known."""
     of_curve: bool = False
@@ -110,15 +127,14 @@ def _judged(line: Line, shown: Shown) -> Judged:
     if line.meaning != "coefficient" and not values.of_curve:
         differs = _verdict(line, _values("coefficient", line.symbol, shown))[1]
         as_coefficient = None if differs == verdict else differs
-    quantiles = np.quantile(values.draws, [0.025, 0.5, 0.95, 0.975]) / line.factor
-    low, middle, limit, high = map(float, quantiles)
+    measured = values.measured.times(1 / line.factor)
     return Judged(
         line,
         verdict,
         probability,
-        middle,
-        (low if values.seen else 0.0, high),
-        None if values.seen else limit,
+        measured.middle,
+        (measured.low if values.seen else 0.0, measured.high),
+        None if values.seen else measured.limit,
         values.seen,
         values.of_curve,
         as_coefficient,
@@ -137,12 +153,21 @@ def _verdict(line: Line, values: _Values) -> tuple[float | None, SheetVerdict]:
 def _values(meaning: Meaning, symbol: str, shown: Shown) -> _Values:
     """Draws of what a data sheet states under this reading."""
     if meaning == "allan_minimum" and not shown.consistent:
-        return _Values(*lowest_of_curve(shown.sizes, shown.deviation, shown.samples), True)
+        lowest, reached = lowest_of_curve(shown.sizes, shown.deviation, shown.samples)
+        return _Values(lowest, _of_draws(lowest), reached, True)
     draws = np.abs(np.asarray(shown.draws, np.float64))
     if meaning == "allan_minimum":
         # Each of the slow terms keeps the lowest deviation above zero.
         seen = any(shown.resolved[slow] for slow in "BKR")
-        return _Values(lowest_of_model(draws, shown.dt), seen)
+        lowest = lowest_of_model(draws, shown.dt)
+        return _Values(lowest, _of_draws(lowest), seen)
     coefficient = draws[:, SYMBOLS.index(symbol)]
-    factor = np.sqrt(2) if meaning == "one_sided_density" else 1.0
-    return _Values(factor * coefficient, shown.resolved[symbol])
+    factor = math.sqrt(2) if meaning == "one_sided_density" else 1.0
+    # The number of the table, not one that differs in its last digits.
+    measured = shown.coefficients[symbol].times(factor)
+    return _Values(factor * coefficient, measured, shown.resolved[symbol])
+
+
+def _of_draws(draws: Float[np.ndarray, " draws"]) -> Measured:
+    low, middle, limit, high = np.quantile(draws, [0.025, 0.5, 0.95, 0.975]).tolist()
+    return Measured(middle, low, high, limit)

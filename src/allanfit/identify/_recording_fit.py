@@ -10,9 +10,9 @@ from jaxtyping import Array, Float
 
 from ..coefficients import CONVERGED, NOT_CONVERGED
 from ..curves import octaves, read_slopes
-from ..datasheet import Datasheet, Judged, Shown, datasheet_document, judge
+from ..datasheet import Datasheet, Judged, Measured, Shown, datasheet_document, judge
 from ..formatting import finite
-from ..physics import STANDARD_TERMS, Sampling
+from ..physics import STANDARD_TERMS, SYMBOLS, Sampling
 from ..recording import Channel, Recording
 from ..temperature import (
     ChannelTemperature,
@@ -59,6 +59,7 @@ class ChannelFit:
         fit, design = self.fit, self.fit.design
         shown = Shown(
             np.asarray(fit.estimate.draws),
+            _measured(fit),
             {symbol: bool(seen) for symbol, seen in fit.resolved.items()},
             bool(fit.goodness_of_fit >= MISFIT),
             1 / float(fit.rate_hz),
@@ -304,6 +305,15 @@ def series_fit(result: Fit, name: str = "data", unit: str = "") -> RecordingFit:
     channel = Channel(name, unit, 1.0, unit, "other", samples, ((0, len(samples)),), ())
     recording = Recording(name, float(result.rate_hz), (channel,), (), (), "")
     return RecordingFit(recording, (ChannelFit(channel, result, None),))
+
+
+def _measured(fit: Fit) -> dict[str, Measured]:
+    middles, intervals, limits = fit.coefficients, fit.intervals, fit.upper_limits
+    found = {}
+    for symbol in SYMBOLS:
+        low, high = intervals[symbol].tolist()
+        found[symbol] = Measured(float(middles[symbol]), low, high, float(limits[symbol]))
+    return found
 
 
 def _influence(
