@@ -100,30 +100,32 @@ class LowPass(AbstractFilter):
         """The folded |H|^2, as a multiple of what it is at zero frequency."""
         if self.after_converter:
             return self.passed(frequency, dt)
-        sampling = "averaged" if self.averaged else sampling
-        still = jnp.zeros_like(frequency, shape=())
-        return self.folded(frequency, dt, sampling) / self.folded(still, dt, sampling)
+        # With zero frequency as the last of them: one evaluation compiles faster than two.
+        places = jnp.append(frequency.reshape(-1), 0.0)
+        folded = self.folded(places, dt, "averaged" if self.averaged else sampling)
+        return (folded[:-1] / folded[-1]).reshape(frequency.shape)
 
     def folded(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
     ) -> Float[Array, "*shape"]:
         """Sum over j of |H(f + j/dt)|^2, times sinc^2 there where samples are averages."""
-        at = frequency * dt - jnp.round(frequency * dt)
+        at = (frequency * dt - jnp.round(frequency * dt)).reshape(-1)
         near = self._images(at, np.arange(-_NEAR, _NEAR + 1), dt, sampling)
         # What is further away changes little within a sampling rate, and is even: few points do.
         beyond = np.arange(_NEAR + 1, _ALIASES + 1)
         points = jnp.asarray(_PLACES, at.dtype)
         far = self._images(points, np.concatenate([-beyond, beyond]), dt, sampling)
         if sampling == "point":
-            edge = _ALIASES + 0.5
-            far += dt * sum(self._beyond((edge + each) / dt) for each in (points, -points))
-        return near + _even_series(jnp.asarray(_COSINES, at.dtype) @ far, at)
+            edges = _ALIASES + 0.5 + np.stack([_PLACES, -_PLACES])
+            far += dt * self._beyond(jnp.asarray(edges, at.dtype) / dt).sum(axis=0)
+        total = near + _even_series(jnp.asarray(_COSINES, at.dtype) @ far, at)
+        return total.reshape(frequency.shape)
 
     def _images(
-        self, at: Float[Array, "*shape"], aliases: np.ndarray, dt: float, sampling: Sampling
-    ) -> Float[Array, "*shape"]:
+        self, at: Float[Array, " places"], aliases: np.ndarray, dt: float, sampling: Sampling
+    ) -> Float[Array, " places"]:
         """Sum of |H|^2 over some aliases of frequencies in cycles per sample."""
-        image = at + jnp.asarray(aliases, at.dtype).reshape(-1, *(1 for _ in at.shape))
+        image = at + jnp.asarray(aliases, at.dtype)[:, None]
         passed = self.passed(image / dt, dt)
         if sampling == "averaged":
             passed *= jnp.sinc(image) ** 2
@@ -184,13 +186,18 @@ class LowPass(AbstractFilter):
 
 
 def _even_series(
-    coefficients: Float[Array, " orders"], at: Float[Array, "*shape"]
-) -> Float[Array, "*shape"]:
+    coefficients: Float[Array, " orders"], at: Float[Array, " places"]
+) -> Float[Array, " places"]:
     """Sum over k of c_k T_2k(2 at), by Clenshaw's recurrence."""
     y = 8 * at**2 - 1
-    last = before = jnp.zeros_like(at)
-    for k in _EVEN[:0:-1]:
-        last, before = coefficients[k] + 2 * y * last - before, last
+
+    def step(carry, coefficient):
+        last, before = carry
+        return (coefficient + 2 * y * last - before, last), None
+
+    nothing = jnp.zeros_like(y + coefficients[0])
+    # A loop: written out it would be most of what is compiled of a filter.
+    (last, before), _ = jax.lax.scan(step, (nothing, nothing), coefficients[:0:-1])
     return coefficients[0] + y * last - before
 
 

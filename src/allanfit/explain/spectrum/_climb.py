@@ -7,7 +7,7 @@ takes longer than all its steps.
 import numpy as np
 from jaxtyping import Float
 
-from ._density import Starts, densities, densities_and_slopes, log_slopes, parts, powers
+from ._density import Starts, densities_and_slopes, log_slopes, parts, powers
 from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active, foreign, held_rows
 
 MOST_STEPS = 60
@@ -30,13 +30,10 @@ def climb(
     """
     moving, held = active(kinds, data.terms), held_rows(data)
 
-    def mean(theta):
-        return densities(theta, kinds, data, held)
-
-    def slopes(theta):
+    def at(theta):
         return densities_and_slopes(theta, kinds, data, held)
 
-    return _ascend(np.array(starts), moving, mean, slopes, data, enough, steps=steps)
+    return _ascend(np.array(starts), moving, at, data, enough, steps=steps)
 
 
 def rescale(
@@ -55,14 +52,12 @@ def rescale(
     unit = np.vstack([rows[0], *units])
     alien = foreign(data) * bump[0]
 
-    def mean(logs):
-        return powers(logs, moving) @ unit + alien
+    def at(logs):
+        power = powers(logs, moving)
+        total = power @ unit + alien
+        return total, power[..., None] * unit / total[:, None]
 
-    def slopes(logs):
-        total = mean(logs)
-        return total, powers(logs, moving)[..., None] * unit / total[:, None]
-
-    reached, value = _ascend(np.array(theta[sizes][None]), moving, mean, slopes, data)
+    reached, value = _ascend(np.array(theta[sizes][None]), moving, at, data)
     best = np.array(theta)
     best[sizes] = reached[0]
     return best, float(value[0])
@@ -88,18 +83,22 @@ def log_scatter(
 def _ascend(
     theta,
     moving,
-    mean,
-    slopes,
+    at,
     data: Data,
     enough: tuple[float, float] = (LEAST_GAIN, 0.0),
     damping=None,
     steps: int = MOST_STEPS,
 ):
-    """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained."""
+    """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained.
+
+    `at` gives the density for each start and the slopes of its logarithm. Most steps are taken, and
+    need the slopes where they lead: there is no other program for the density alone.
+    """
     least_gain, least_share = enough
     density = np.asarray(data.bins.density)
     usual = np.count_nonzero(data.bins.used)
-    value = deviances(mean(theta), data)
+    total, slope = at(theta)
+    value = deviances(total, data)
     damping = np.full(len(theta), 1e-2) if damping is None else damping
     still = np.ones(len(theta), bool)
     along = np.flatnonzero(moving)
@@ -108,10 +107,9 @@ def _ascend(
         if len(theta) > 1 and still.sum() == 1:
             # The last one on its way goes on alone: all at once cost as much with one as with all.
             theta[still], value[still] = _ascend(
-                theta[still], moving, mean, slopes, data, enough, damping[still], steps - done
+                theta[still], moving, at, data, enough, damping[still], steps - done
             )
             break
-        total, slope = slopes(theta)
         weighted, normal = _information(slope[:, along], data)
         with np.errstate(all="ignore"):
             gradient = weighted @ np.nan_to_num(density / total - 1)[..., None]
@@ -123,12 +121,15 @@ def _ascend(
             step = np.linalg.solve(normal + weight, gradient)[..., 0]
             tried = theta.copy()
             tried[:, along] += np.minimum(np.maximum(step, -_LONGEST_STEP), _LONGEST_STEP)
-            reached = deviances(mean(tried), data)
+            there = at(tried)
+            reached = deviances(there[0], data)
             better = (reached < value) & ~moved & still
             with np.errstate(invalid="ignore"):
                 gained = np.where(better, value - reached, 0.0)
                 least = np.maximum(least_gain, least_share * (reached - usual))
             theta = np.where(better[:, None], tried, theta)
+            total = np.where(better[:, None], there[0], total)
+            slope = np.where(better[:, None, None], there[1], slope)
             value = np.where(better, reached, value)
             damping = np.where(better, np.clip(factor * damping, 1e-9, 1e9), damping)
             still = still & ~(better & (gained < least))

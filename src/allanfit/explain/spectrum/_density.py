@@ -33,9 +33,9 @@ from ._structure import (
 
 # Single ordinates are asked for by so many.
 _LENGTH = 1024
-# Starts that climb together: one would be as slow as two, and of eight that go all the way each
-# waits for the last. Programs are compiled for as many.
-TOGETHER, ON_TRIAL = 2, 8
+# Starts that climb together: one would be as slow as two, and of eight each waits for the last.
+# Programs are compiled for as many; another size would be as much to compile again.
+TOGETHER = 4
 
 Starts = Float[np.ndarray, "starts parameters"]
 
@@ -137,7 +137,11 @@ def noise_density(
     name: str, threes: Float[np.ndarray, "starts three"], data: Data
 ) -> Float[np.ndarray, "starts bins"]:
     """What an added noise alone puts into each bin [u^2]."""
-    return _evaluated(_density, name, threes, data.bins.nodes, data.samples) * _left(name, data)
+    asked = name, threes, data.bins.nodes, data.samples
+    # Of few, by the program for slopes: a climb has compiled it, or soon will.
+    few = len(threes) <= TOGETHER
+    density = _evaluated(_density_slopes, *asked)[1] if few else _evaluated(_density, *asked)
+    return density * _left(name, data)
 
 
 def noise_at(
@@ -212,19 +216,21 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     # A filter that droops is the same program as one that does not.
     asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
     # Of whole numbers there is nothing to climb along.
-    if not slopes or kinds.shaping == RUNNING_MEAN:
+    if kinds.shaping == RUNNING_MEAN:
         gains = _evaluated(_gains, *asked)
         return gains, tuple(np.zeros((len(each), EACH, each.shape[1])) for each in gains)
+    if not slopes and len(theta) > TOGETHER:
+        return _evaluated(_gains, *asked), None
     derivatives, gains = _evaluated(_gain_slopes, *asked)
     return gains, derivatives
 
 
 def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: Any, samples: Any):
     """What a program gives for all starts, as NumPy arrays."""
-    # Filled up to sizes that are compiled; walkers of a posterior come in many, always as many.
+    # Filled up to what is compiled; walkers of a posterior come in many, always as many.
     count = len(threes)
-    size = next((each for each in (TOGETHER, ON_TRIAL) if count <= each), count)
-    filled = threes if count == size else threes[np.minimum(np.arange(size), count - 1)]
+    places = np.minimum(np.arange(TOGETHER), count - 1)
+    filled = threes[places] if count < TOGETHER else threes
     found = program(name, filled, nodes, samples)
     return jax.tree.map(lambda each: np.asarray(each)[:count], found)
 

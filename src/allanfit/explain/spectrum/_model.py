@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
-from ._density import ON_TRIAL, TOGETHER, expected_density
+from ._density import TOGETHER, expected_density
 from ._structure import EACH, TERMS, Data, Kinds, shape_of
 
 # Less than this in a step, and another start of the same name is ahead or soon will be; so it is
@@ -44,10 +44,8 @@ def best(
 ) -> list[Model]:
     """Where each start leads in so many steps; those of one kind climb together.
 
-    Two of them all the way, since more wait for the last, and more on the first few steps; `rough`
-    is near enough to say which start leads furthest.
+    `rough` is near enough to say which start leads furthest.
     """
-    together = TOGETHER if steps == MOST_STEPS else ON_TRIAL
     # A term at zero may still be wanted by finer bins or beside other effects, but a power whose
     # logarithm runs away never returns: it starts where it hardly shows.
     level = np.median(data.bins.density[data.bins.used])
@@ -58,8 +56,8 @@ def best(
         alike.setdefault(kinds, []).append(place)
     found: dict[int, Model] = {}
     for kinds, places in alike.items():
-        for begin in range(0, len(places), together):
-            group = places[begin : begin + together]
+        for begin in range(0, len(places), TOGETHER):
+            group = places[begin : begin + TOGETHER]
             thetas = np.stack([starts[place][1] for place in group])
             thetas[:, :TERMS] = np.maximum(thetas[:, :TERMS], least)
             reached = climb(thetas, kinds, data, enough, steps)
