@@ -2,9 +2,11 @@
 
 import os
 
+import jax
+import jax.numpy as jnp
 import pytest
 
-from allanfit.compilation import _flags, _forget_oldest
+from allanfit.compilation import _flags, _forget_oldest, _options, quick_to_compile
 
 
 @pytest.mark.parametrize(
@@ -14,6 +16,22 @@ def test_flags_are_given_to_releases_that_know_them(release, known):
     flags = _flags(release).split()
     assert ("--xla_cpu_use_fusion_emitters=false" in flags) is known
     assert "--xla_backend_optimization_level=1" in flags
+
+
+def test_a_setting_of_the_user_stays(monkeypatch):
+    monkeypatch.setenv("XLA_FLAGS", "--xla_backend_optimization_level=3")
+    assert "xla_backend_optimization_level" not in _options()
+    monkeypatch.setenv("XLA_FLAGS", "--xla_force_host_platform_device_count=2")
+    assert _options()["xla_backend_optimization_level"] == 1
+
+
+def test_what_compiles_quickly_can_be_a_part_of_other_programs():
+    # JAX refuses options of a program within a program.
+    cube = quick_to_compile(jax.jit)(lambda x: x**3)
+    assert cube(2.0) == 8.0
+    assert jax.jit(lambda x: 2 * cube(x))(2.0) == 16.0
+    assert jax.grad(cube)(2.0) == 12.0
+    assert jax.vmap(cube)(jnp.arange(3.0)).tolist() == [0.0, 1.0, 8.0]
 
 
 def test_the_oldest_programs_go_though_another_process_removes_some(tmp_path, monkeypatch):

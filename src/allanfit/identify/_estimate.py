@@ -11,6 +11,7 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
+from ..compilation import quick_to_compile
 from ..curves import Design, Statistics, statistics, statistics_on_host, unit_scale
 from ._ensemble import ensemble
 from ._goodness import goodness_of_fit, score
@@ -24,7 +25,7 @@ RESOLVED_DEVIANCE = 3.84
 # A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
 RESOLVED_RAMP_P = 0.005
 
-# Stretches of so many lengths are worth a program of their own.
+# Stretches of so many lengths are worth a program of their own on other devices than the CPU.
 _MOST_COMPILED = 4
 # More bins than 30 million samples make.
 _BINS_AT_A_TIME = 112
@@ -109,10 +110,13 @@ def estimate(
 ) -> Estimate:
     """Identify one sensor from the stretches of its record, sampled every `dt` seconds.
 
-    In two steps, compiled apart: the first depends on the lengths of the stretches, the second
-    only on about how many bins they make. Of many stretches the first is taken on the host.
+    In two steps: the first depends on the lengths of the stretches, the second only on about how
+    many bins they make. The first is taken on the host, where nothing has to be compiled for a
+    length, unless JAX traces it, or has few lengths on another device.
     """
-    if len(stretches) > _MOST_COMPILED and not any(isinstance(x, Tracer) for x in stretches):
+    traced = any(isinstance(each, Tracer) for each in stretches)
+    here = jax.default_backend() == "cpu" or len(stretches) > _MOST_COMPILED
+    if here and not traced:
         found = statistics_on_host(tuple(map(np.asarray, stretches)), design)
         found = jax.tree.map(lambda leaf: leaf.astype(stretches[0].dtype), found)
     else:
@@ -129,12 +133,12 @@ def estimate_from(
     return Estimate(statistics=found, **conclude(data, ramp, jnp.asarray(dt, dtype), key))
 
 
-@eqx.filter_jit
+@quick_to_compile(eqx.filter_jit)
 def _reduce(stretches: tuple[Float[Array, " _"], ...], design: Design) -> Statistics:
     return statistics(stretches, as_design_dtype(design, stretches[0].dtype))
 
 
-@eqx.filter_jit
+@quick_to_compile(eqx.filter_jit)
 def prepare(found: Statistics, design: Design) -> tuple[Target, RampData]:
     """What the fit asks of a record, in shapes that records of many lengths share."""
     design = as_design_dtype(design, found.density.dtype)
@@ -142,7 +146,7 @@ def prepare(found: Statistics, design: Design) -> tuple[Target, RampData]:
     return data, ramp_data(found.odd_modes / data.unit, design)
 
 
-@jax.jit
+@quick_to_compile(jax.jit)
 def conclude(
     data: Target, ramp: RampData, dt: Float[Array, ""], key: PRNGKeyArray
 ) -> dict[str, Array]:

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from ...compilation import quick_to_compile
 from ._ordinates import points
 from ._structure import (
     EACH,
@@ -36,6 +37,8 @@ _LENGTH = 1024
 # Starts that climb together: one would be as slow as two, and of eight each waits for the last.
 # Programs are compiled for as many; another size would be as much to compile again.
 TOGETHER = 4
+
+_quick = quick_to_compile(partial(jax.jit, static_argnums=0))
 
 Starts = Float[np.ndarray, "starts parameters"]
 
@@ -235,12 +238,12 @@ def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: An
     return jax.tree.map(lambda each: np.asarray(each)[:count], found)
 
 
-@partial(jax.jit, static_argnums=0)
+@_quick
 def _density(name, three, nodes, samples):
     return jax.vmap(lambda t: added_density(name, t, nodes, samples))(three)
 
 
-@partial(jax.jit, static_argnums=0)
+@_quick
 def _density_slopes(name, three, nodes, samples):
     def of_shape(shape, scale):
         return added_density(name, jnp.append(scale, shape), nodes, samples)
@@ -251,12 +254,12 @@ def _density_slopes(name, three, nodes, samples):
     return jnp.concatenate([own[:, None], slopes], axis=1), density
 
 
-@partial(jax.jit, static_argnums=0)
+@_quick
 def _gains(name, three, nodes, samples):
     return jax.vmap(lambda t: shaped(name, t, nodes, samples))(three)
 
 
-@partial(jax.jit, static_argnums=0)
+@_quick
 def _gain_slopes(name, three, nodes, samples):
     return _slopes_beside(lambda t: shaped(name, t, nodes, samples), three)
 
