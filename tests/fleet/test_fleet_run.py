@@ -1,6 +1,8 @@
 """Results, resumption and errors, with a worker in this process."""
 
 import hashlib
+import subprocess
+import sys
 
 import distributed
 import numpy as np
@@ -205,3 +207,14 @@ def test_an_array_in_the_folder_of_one_device_is_one_device(tmp_path, scheduler)
         ("accel_z", "bench/01"),
         ("accel_z", "bench/02"),
     ]
+
+
+def test_a_script_that_each_worker_would_run_is_told_so(recordings, tmp_path):
+    script, output = tmp_path / "script.py", tmp_path / "fleet"
+    script.write_text(
+        "from allanfit.fleet import run_fleet\n"
+        f"run_fleet([{str(recordings[0])!r}], {str(output)!r}, workers=1)\n"
+    )
+    told = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    assert told.returncode == 1
+    assert told.stderr.endswith("below a line `if __name__ == '__main__':`.\n")

@@ -1,5 +1,7 @@
 """Recordings of arrays, which are read as those of files are."""
 
+from inspect import unwrap
+
 import numpy as np
 import polars as pl
 import pytest
@@ -45,3 +47,9 @@ def test_dates_are_time_stamps(noise):
 def test_what_is_no_recording_is_refused(data, options, message):
     with pytest.raises(RecordingError, match=message):
         recording_of(data, rate_hz=10.0, **options)
+
+
+def test_one_unit_for_all_is_not_units():
+    # Past the check of types that only tests have.
+    with pytest.raises(RecordingError, match="one for all is unit='deg/s'"):
+        unwrap(recording_of)({"a": np.zeros(400)}, rate_hz=10.0, units="deg/s")

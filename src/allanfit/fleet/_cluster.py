@@ -1,6 +1,7 @@
 """Workers: processes of this machine, or those of a scheduler that is running."""
 
 import logging
+import multiprocessing
 import os
 import re
 import socket
@@ -38,17 +39,33 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
         with _client(distributed, scheduler) as client:
             yield client
         return
-    with (
-        distributed.LocalCluster(
+    with _started(distributed, workers) as cluster, _client(distributed, cluster) as client:
+        yield client
+
+
+def _started(distributed, workers: int | None) -> "distributed.LocalCluster":
+    try:
+        return distributed.LocalCluster(
             n_workers=workers or _cores(),
             threads_per_worker=1,
             processes=True,
             dashboard_address="127.0.0.1:0",  # any port that is free
             silence_logs=logging.CRITICAL,
-        ) as cluster,
-        _client(distributed, cluster) as client,
-    ):
-        yield client
+        )
+    except RuntimeError as error:
+        raise FleetError(
+            "No worker process could be started. Each reads the script that calls run_fleet, which "
+            "has to do so below a line `if __name__ == '__main__':`."
+        ) from error
+
+
+def leave_if_worker() -> None:
+    """End this process where it is a worker that reads the script which started it.
+
+    Such a script would start workers of workers; `connected` tells its user why.
+    """
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise SystemExit(1)
 
 
 def silence() -> None:

@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ._cluster import connected
+from ._cluster import connected, leave_if_worker
 from ._errors import FleetError, fleet_extra
 from ._files import find_recordings
 from ._options import Options
@@ -70,13 +70,16 @@ def run_fleet(
     - `output`: a folder; results go to `results` in it, one `.parquet` a recording.
     - `options`: of the fit, the same for all.
     - `scheduler`: the address of a dask scheduler; by default `workers` processes are started
-      here, one a core. Workers elsewhere read recordings by their path.
+      here, one a core, and a script that calls this does so below `if __name__ == "__main__":`,
+      since each of them reads it. Workers elsewhere read recordings by their path.
     - `begin`, `done`: called with the number of recordings, and with each when it is done.
     - `waiting`: called with a sentence when there is no worker, which may come late or all be lost.
 
-    **Raises** `FleetError` if there are no recordings, the folder cannot be written, or the
-    scheduler cannot be reached or is lost; and when it is interrupted.
+    **Raises** `FleetError` if there are no recordings, the folder cannot be written, no
+    worker can be started, or the scheduler cannot be reached or is lost; and when it is
+    interrupted.
     """
+    leave_if_worker()
     with fleet_extra():
         import pyarrow.parquet  # noqa: F401 - found to be missing before the work
     if scheduler is not None and workers is not None:

@@ -108,6 +108,11 @@ def recording_of(
     'deg/s'
     """
     _check_given(rate_hz)
+    if isinstance(units, str):
+        raise RecordingError(
+            "units gives the unit of each column by its name, as {'gyro_x': 'deg/s'} does; one for "
+            f"all is unit={units!r}."
+        )
     table = table_of(data, units or {})
     return _recording(Path(name), table, rate_hz, channels, unit)
 
