@@ -7,6 +7,7 @@ import pytest
 
 import allanfit
 from allanfit.curves import design, unit_scale
+from allanfit.identify import _estimate
 from allanfit.physics import SYMBOLS, check_sampling, standard_model
 
 GYRO = {"N": 5e-3, "B": 2e-3, "K": 1e-3}
@@ -218,3 +219,16 @@ def test_document_and_table_of_an_array(monkeypatch):
     # A notebook shows each result that ends a cell: no advice for that, which takes seconds.
     monkeypatch.delattr("allanfit.identify._recording_fit.ChannelFit.advice")
     assert "data, 10 Hz, 13.7 min: 95 % intervals" in fit._repr_html_()
+
+
+def test_a_fit_on_the_host_is_that_of_a_compiled_program(monkeypatch):
+    (data,) = records(GYRO, 1)
+    host = allanfit.fit(data, RATE_HZ)
+    monkeypatch.setattr(_estimate, "_MOST_ON_HOST", SAMPLES - 1)
+    compiled = allanfit.fit(data, RATE_HZ)
+    # Two ways to sum, and not one of them twice.
+    assert not np.array_equal(
+        compiled.estimate.statistics.density, host.estimate.statistics.density
+    )
+    for symbol, value in compiled.least_squares.items():
+        assert float(host.least_squares[symbol]) == pytest.approx(float(value), rel=1e-6)

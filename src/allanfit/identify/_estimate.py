@@ -25,8 +25,9 @@ RESOLVED_DEVIANCE = 3.84
 # A ramp is claimed more reluctantly: what drives it is a mean, and every slow effect has one.
 RESOLVED_RAMP_P = 0.005
 
-# Stretches of so many lengths are worth a program of their own on other devices than the CPU.
-_MOST_COMPILED = 4
+# More lengths of stretches than that are not worth compiling for; more samples are, with which the
+# host takes seconds longer.
+_MOST_COMPILED, _MOST_ON_HOST = 4, 2**22
 # More bins than 30 million samples make.
 _BINS_AT_A_TIME = 112
 _WALKERS = 32
@@ -111,11 +112,12 @@ def estimate(
     """Identify one sensor from the stretches of its record, sampled every `dt` seconds.
 
     In two steps: the first depends on the lengths of the stretches, the second only on about how
-    many bins they make. The first is taken on the host, where nothing has to be compiled for a
-    length, unless JAX traces it, or has few lengths on another device.
+    many bins they make. Where a program for these lengths is not worth its compilation the first is
+    taken on the host, unless JAX traces it.
     """
     traced = any(isinstance(each, Tracer) for each in stretches)
-    here = jax.default_backend() == "cpu" or len(stretches) > _MOST_COMPILED
+    short = sum(each.size for each in stretches) <= _MOST_ON_HOST
+    here = (short and jax.default_backend() == "cpu") or len(stretches) > _MOST_COMPILED
     if here and not traced:
         found = statistics_on_host(tuple(map(np.asarray, stretches)), design)
         found = jax.tree.map(lambda leaf: leaf.astype(stretches[0].dtype), found)
