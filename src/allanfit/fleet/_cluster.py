@@ -54,8 +54,8 @@ def _started(distributed, workers: int | None) -> "distributed.LocalCluster":
         )
     except RuntimeError as error:
         raise FleetError(
-            "No worker process could be started. Each reads the script that calls run_fleet, which "
-            "has to do so below a line `if __name__ == '__main__':`."
+            "No worker process could be started. Each reads the script that calls run_fleet, if "
+            "there is one: it has to do so below a line `if __name__ == '__main__':`."
         ) from error
 
 

@@ -43,12 +43,6 @@ _quick = quick_to_compile(partial(jax.jit, static_argnums=0))
 Starts = Float[np.ndarray, "starts parameters"]
 
 
-def densities(theta: Starts, kinds: Kinds, data: Data, held) -> Float[np.ndarray, "starts bins"]:
-    """The expected density for each start."""
-    rows, bump, added = parts(theta, kinds, data, held)
-    return summed(powers(theta[:, :TERMS], data.terms), rows, bump, added, data)
-
-
 def densities_and_slopes(
     theta: Starts, kinds: Kinds, data: Data, held
 ) -> tuple[Float[np.ndarray, "starts bins"], Float[np.ndarray, "starts parameters bins"]]:
@@ -82,7 +76,8 @@ def expected_density(
     theta: Float[np.ndarray, " parameters"], kinds: Kinds, data: Data
 ) -> Float[np.ndarray, " bins"]:
     """The expected density of each bin [u^2]."""
-    return densities(theta[None], kinds, data, held_rows(data))[0]
+    every = parts(theta[None], kinds, data, held_rows(data))
+    return summed(powers(theta[None, :TERMS], data.terms), every, foreign(data))[0]
 
 
 def log_slopes(
@@ -118,10 +113,11 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "term
 
 
 def summed(
-    power: Float[np.ndarray, "starts terms"], rows, bump, added, data: Data
+    power: Float[np.ndarray, "starts terms"], every, alien: float | Float[np.ndarray, " bins"]
 ) -> Float[np.ndarray, "starts bins"]:
-    """All `parts` of a density together, terms of such powers."""
-    total = (power[:, None] @ rows)[:, 0] + foreign(data) * bump
+    """All `parts` of a density together, terms of such powers; `alien` is what is `foreign`."""
+    rows, bump, added = every
+    total = (power[:, None] @ rows)[:, 0] + alien * bump
     for density in added:
         total = total + density * bump
     return total

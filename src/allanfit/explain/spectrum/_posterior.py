@@ -28,6 +28,7 @@ from ._structure import (
     Data,
     active,
     droop_of,
+    foreign,
     free_filter,
     held_rows,
     shape_of,
@@ -136,7 +137,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
         return theta
 
-    held = held_rows(data)
+    held, alien = held_rows(data), foreign(data)
 
     def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
         with np.errstate(all="ignore"):
@@ -145,7 +146,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
             rows, bump, added = parts(theta, kinds, data, held)
             rows = rows[:, terms]
             power = np.exp(theta[:, place[:count]])
-            total = summed(power, rows, bump, added, data)
+            total = summed(power, (rows, bump, added), alien)
             excess = density / total - 1
             value = -(excess - np.log1p(excess)) @ shape
             relative = rows / total[:, None]
@@ -182,9 +183,9 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
 
 def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
     """Standard deviations of the powers, the effects held; as `identify._posterior.coordinates`."""
-    rows, bump, added = parts(model.theta[None], model.kinds, data, held_rows(data))
+    every = parts(model.theta[None], model.kinds, data, held_rows(data))
     power = np.where(np.asarray(data.terms), np.exp(model.theta[:TERMS]), 0.0)
-    relative = rows[0] / summed(power[None], rows, bump, added, data)[0]
+    relative = every[0][0] / summed(power[None], every, foreign(data))[0]
     information = (relative * np.asarray(data.bins.shape)) @ relative.T
     unit = np.sqrt(np.diag(information))
     correlation = information / unit / unit[:, None] + 1e-6 * np.eye(TERMS)
