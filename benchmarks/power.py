@@ -17,8 +17,8 @@ from scipy.stats import ncx2
 
 from allanfit.explain._chance import _SMOOTH, course_log_chance, log_chance
 from allanfit.explain._investigate import ALARM
-from allanfit.explain._rounds import LINE_ALARM
 from allanfit.explain.lines._lines import line_log_chance
+from allanfit.explain.lines._taken import LINE_ALARM
 
 SAMPLES, KNOWN = 300_000, 1e5
 STRENGTHS = (12.0, 25.0, 36.0, 50.0, 64.0, 100.0)

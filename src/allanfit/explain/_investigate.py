@@ -26,13 +26,7 @@ from ._refit import (
     remembered,
     resize,
 )
-from ._rounds import (
-    LEEWAY,
-    LINE_ALARM,
-    TWO,
-    take_one,
-    take_strong_lines,
-)
+from ._rounds import LEEWAY, TWO, take_one
 from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
@@ -41,6 +35,7 @@ from .courses._switches import of_switches, without_switches
 from .courses._taken_switches import take_process, take_switches, without_spikes
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
+from .lines._taken import LINE_ALARM, take_strong_lines
 from .spectrum import _model, _search
 from .spectrum._leakage import take_bump
 from .spectrum._narrow import narrow_noises

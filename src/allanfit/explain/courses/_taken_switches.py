@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from .._options import smooth_options
 from .._refit import add_course, exchange_course, go_back, refit, remembered
-from .._rounds import smooth_options, take_strong_lines
 from .._state import Finding, Investigation, whitened_piece
+from ..lines._taken import take_strong_lines
 from ..spectrum import _model
 from ..strength._lasting import about_spread
 from ..values._alone import read_again
