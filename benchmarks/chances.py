@@ -20,8 +20,9 @@ from rich.progress import track
 
 from allanfit.curves import unit_scale
 from allanfit.explain._investigate import ALARM
-from allanfit.explain._options import course_options, smooth_options
+from allanfit.explain._options import smooth_options
 from allanfit.explain._state import begin
+from allanfit.explain.courses._options import course_options
 from allanfit.explain.lines._taken import line_options
 from allanfit.explain.strength._lasting import about_spread
 from allanfit.explain.values._rounded import about_format

@@ -1,16 +1,11 @@
-"""What a round may choose: effects of the spectrum and courses in time, each with its chance."""
+"""What a round may choose, with the chance of it: effects of the spectrum."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-
-from ._chance import course_score, log_chance, score
-from ._refit import add_course, evidence
+from ._chance import log_chance, score
 from ._state import Finding, Investigation, Searched
-from .courses._course import Course
-from .courses._scan import propose
-from .courses._shapes import at_its_edges, refined, together
+from .courses._arrival import settle
 from .spectrum import _search
 from .spectrum._leakage import leave_leakage
 from .spectrum._model import rarity
@@ -19,9 +14,6 @@ from .spectrum._structure import NARROW
 
 #: Another shape of a filter that is known.
 DROOP = "droop"
-# That the course of a measured cause fits by coincidence is 20 times less likely than that it is
-# the cause, as twice a logarithm.
-_MEASURED = 6.0
 
 
 class Option(NamedTuple):
@@ -51,6 +43,8 @@ def smooth_option(state: Investigation, candidate: Candidate) -> Option:
         state.model = candidate.model
         if state.model.kinds.angle_filtered:
             leave_leakage(state)
+        if candidate.name == "low_pass":
+            settle(state)
         # Another shape of a filter is no effect of its own, but of what is found already.
         if candidate.name != DROOP:
             finding = Finding(candidate.name, chance, candidate.gain, rivals)
@@ -60,37 +54,3 @@ def smooth_option(state: Investigation, candidate: Candidate) -> Option:
     if candidate.name in (*NARROW, "gauss_markov"):
         worth += rarity(candidate.model, state.data)
     return Option(candidate.name, chance, candidate.gain, worth, take)
-
-
-def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
-    """The courses in time that look most promising."""
-    proposals = propose(
-        state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
-    )
-    options: list[Option] = []
-    for course in proposals:
-        if any(course.name == old.name and course.shape == old.shape for old in state.courses):
-            continue
-        if state.switching and course.name == "step":
-            continue
-        gain, log_p = evidence(state, course)
-        if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
-            # Steps compete that are at their places already.
-            course, _ = at_its_edges(state, course)
-            gain = max(gain, evidence(state, course)[0])
-
-        def take(
-            rivals: dict[str, float],
-            course: Course = course,
-            log_p: float = log_p,
-            gain: float = gain,
-        ) -> None:
-            best = refined(state, course, drivers)
-            add_course(state, best, Finding(course.name, log_p, gain, rivals))
-            together(state)
-
-        worth = course_score(gain, course.sizes, course.places, course.length)
-        if course.name in drivers:
-            worth += _MEASURED
-        options.append(Option(course.name, log_p, gain, worth, take))
-    return options

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import poisson
 
-from ._options import DROOP, Option, course_options, smooth_option, smooth_options
+from ._options import DROOP, Option, smooth_option, smooth_options
 from ._refit import go_back, remembered
 from ._state import Investigation
+from .courses._options import course_options
 from .lines._taken import BAND, LINE, line_options
 from .spectrum import _search
 from .spectrum._structure import NARROW

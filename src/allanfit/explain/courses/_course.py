@@ -50,6 +50,13 @@ class Course(NamedTuple):
         return self._replace(draw=lambda: template)
 
 
+class Edge(NamedTuple):
+    """What a filter makes of a step of one: its height so many samples after it."""
+
+    lag: Float[np.ndarray, " points"]
+    height: Float[np.ndarray, " points"]
+
+
 class Sized(NamedTuple):
     """Courses with their sizes, jointly, and the noise that is left."""
 
@@ -171,13 +178,18 @@ def warm_up(constant: float, samples: int) -> Course:
     return Course("warm_up", draw, 1, {"time_constant": constant})
 
 
-def step(time: int, samples: int) -> Course:
-    """One from sample `time` on."""
+def step(time: float, samples: int, edge: Edge | None = None) -> Course:
+    """One from sample `time` on, or what a filter makes of that."""
 
     def draw() -> Template:
-        return (np.arange(samples) >= time)[:, None].astype(float)
+        return risen(np.arange(samples) - time, edge)[:, None]
 
     return Course("step", draw, 1, {"time": float(time)})
+
+
+def risen(after: Float[np.ndarray, " samples"], edge: Edge | None) -> Float[np.ndarray, " samples"]:
+    """The height of a step so many samples after it."""
+    return (after >= 0).astype(float) if edge is None else np.interp(after, *edge)
 
 
 def late(felt: Float[np.ndarray, " samples"], lag: float) -> Course:

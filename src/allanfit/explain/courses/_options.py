@@ -1,0 +1,53 @@
+"""What a round may choose, with the chance of it: courses in time."""
+
+from typing import Any
+
+import numpy as np
+
+from .._chance import course_score
+from .._options import Option
+from .._refit import add_course, evidence
+from .._state import Finding, Investigation
+from ._arrival import settle
+from ._course import Course
+from ._scan import propose
+from ._shapes import at_its_edges, refined, together
+
+# That the course of a measured cause fits by coincidence is 20 times less likely than that it is
+# the cause, as twice a logarithm.
+_MEASURED = 6.0
+
+
+def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
+    """The courses in time that look most promising."""
+    proposals = propose(
+        state.values.size, state.pieces, state.calm, state.left, state.model, state.data, drivers
+    )
+    options: list[Option] = []
+    for course in proposals:
+        if any(course.name == old.name and course.shape == old.shape for old in state.courses):
+            continue
+        if state.switching and course.name == "step":
+            continue
+        gain, log_p = evidence(state, course)
+        if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
+            # Steps compete that are at their places already.
+            course, _ = at_its_edges(state, course)
+            gain = max(gain, evidence(state, course)[0])
+
+        def take(
+            rivals: dict[str, float],
+            course: Course = course,
+            log_p: float = log_p,
+            gain: float = gain,
+        ) -> None:
+            best = refined(state, course, drivers)
+            add_course(state, best, Finding(course.name, log_p, gain, rivals))
+            together(state)
+            settle(state)
+
+        worth = course_score(gain, course.sizes, course.places, course.length)
+        if course.name in drivers:
+            worth += _MEASURED
+        options.append(Option(course.name, log_p, gain, worth, take))
+    return options
