@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from ._chance import log_chance, score
 from ._state import Finding, Investigation, Searched
 from .courses._arrival import settle
@@ -54,3 +56,13 @@ def smooth_option(state: Investigation, candidate: Candidate) -> Option:
     if candidate.name in (*NARROW, "gauss_markov"):
         worth += rarity(candidate.model, state.data)
     return Option(candidate.name, chance, candidate.gain, worth, take)
+
+
+def take_filter(state: Investigation) -> None:
+    """Take a filter, if there is one: behind it noise looks like a walk that hides steps."""
+    if state.model.kinds.filtering:
+        return
+    found = smooth_options(state)
+    best = max(found, key=lambda option: option.score, default=None)
+    if best is not None and best.name == "low_pass" and best.log_p < np.log(state.alarm):
+        best.take({each.name: each.score for each in found})

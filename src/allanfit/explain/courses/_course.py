@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.signal import lfilter
 
 from ..spectrum._climb import log_scatter
@@ -178,7 +178,7 @@ def warm_up(constant: float, samples: int) -> Course:
     return Course("warm_up", draw, 1, {"time_constant": constant})
 
 
-def step(time: float, samples: int, edge: Edge | None = None) -> Course:
+def step(time: int | float, samples: int, edge: Edge | None = None) -> Course:
     """One from sample `time` on, or what a filter makes of that."""
 
     def draw() -> Template:
@@ -187,7 +187,9 @@ def step(time: float, samples: int, edge: Edge | None = None) -> Course:
     return Course("step", draw, 1, {"time": float(time)})
 
 
-def risen(after: Float[np.ndarray, " samples"], edge: Edge | None) -> Float[np.ndarray, " samples"]:
+def risen(
+    after: Float[np.ndarray, " samples"] | Int[np.ndarray, " samples"], edge: Edge | None
+) -> Float[np.ndarray, " samples"]:
     """The height of a step so many samples after it."""
     return (after >= 0).astype(float) if edge is None else np.interp(after, *edge)
 

@@ -12,7 +12,8 @@ from jaxtyping import Float, Int
 
 from .._refit import evidence
 from .._state import Investigation
-from ._course import Course
+from ._course import Course, Edge
+from ._passing import passed, passing
 from ._step_scores import StepScores, step_scores
 
 #: Standard deviations of a step that may be a switch.
@@ -77,7 +78,7 @@ class Seen(NamedTuple):
 
 def seen_one_by_one(state: Investigation) -> Seen | None:
     """The switches of a telegraph in what the model leaves, if there are steps in turn."""
-    pieces = step_scores(state.calm, state.long_pieces, state.left, state.variance)
+    pieces = _scores(state)
     return seen_as(state, [_in_turn(piece, piece.scores) for piece in pieces])
 
 
@@ -85,13 +86,16 @@ def seen_again(state: Investigation, seen: Seen) -> Seen | None:
     """As `seen` beside all others, whose course came last: in the noise that they leave."""
     assert state.sized is not None
     height, edges = float(state.sized.sizes[-1]), []
-    pieces = step_scores(state.calm, state.long_pieces, state.left, state.variance)
-    for piece, before in zip(pieces, seen.edges, strict=True):
+    for piece, before in zip(_scores(state), seen.edges, strict=True):
         scores, places = piece.scores.copy(), np.searchsorted(piece.at, before.at)
         places = np.minimum(places, scores.size - 1)
         scores[places] += before.turns * height * piece.known[places]
         edges.append(_in_turn(piece, scores))
     return seen_as(state, edges)
+
+
+def _scores(state: Investigation) -> list[StepScores]:
+    return step_scores(state.calm, state.long_pieces, state.left, state.variance, passing(state))
 
 
 def _in_turn(piece: StepScores, scores: Float[np.ndarray, " places"]) -> Edges:
@@ -117,14 +121,23 @@ def _in_turn(piece: StepScores, scores: Float[np.ndarray, " places"]) -> Edges:
     return Edges(piece.start, piece.stop, at, turns, tall, tall / piece.known[found])
 
 
-def seen_as(state: Investigation, edges: list[Edges]) -> Seen | None:
-    """The course of such switches, if they are enough."""
+def seen_as(
+    state: Investigation, edges: list[Edges], edge: Edge | None = None, late: float = 0.0
+) -> Seen | None:
+    """The course of such switches, if they are enough.
+
+    Behind a filter each with that `edge`, so many samples `late`, or with one of no phase.
+    """
     tall = np.concatenate([each.tall for each in edges])
     if tall.size < _FEWEST:
         return None
-    path = np.zeros(state.values.size)
+    path, through = np.zeros(state.values.size), passing(state)
+    if edge is None and through is not None:
+        edge = through.none
     for each in edges:
-        path[each.start : each.stop] = each.level
+        path[each.start : each.stop] = (
+            each.level if edge is None else passed(each.level, edge, late)
+        )
     told = [each for each in edges if each.at.size]
     samples = sum(each.stop - each.start for each in told)
     clear = float(np.median(tall))

@@ -8,6 +8,7 @@ from scipy.fft import dst
 
 from ..spectrum._ordinates import Ordinates
 from ._blocks import FINEST_BLOCKS, Stretch, blocks_of
+from ._passing import Passing
 
 
 class StepScores(NamedTuple):
@@ -27,14 +28,21 @@ def step_scores(
     pieces: list[tuple[int, int]],
     spectrum: Ordinates,
     variance: Float[np.ndarray, " ordinates"],
+    through: Passing | None = None,
 ) -> list[StepScores]:
-    """Steps in each stretch, as fine as it is, in noise that gives the ordinates this variance."""
+    """Steps in each stretch, as fine as it is, in noise that gives the ordinates this variance.
+
+    Behind a filter they have its gain, and its delay, but not its other phase.
+    """
     blocks = blocks_of(values, pieces, FINEST_BLOCKS)
     found = []
     for stretch, start in zip(
         blocks.scan(spectrum, variance).stretches, blocks.starts, strict=True
     ):
-        top, bottom, _ = step_sums(stretch)
+        gain = 1.0
+        if through is not None:
+            gain = through.gain_at(stretch.orders / (2 * stretch.count * blocks.size))
+        top, bottom, _ = step_sums(stretch, gain)
         length = stretch.count * blocks.size
         at = start + np.arange(1, top.size + 1) / (top.size + 1) * length
         known = np.sqrt(bottom)
@@ -43,20 +51,20 @@ def step_scores(
 
 
 def step_sums(
-    stretch: Stretch,
+    stretch: Stretch, gain: float | Float[np.ndarray, " orders"] = 1.0
 ) -> tuple[
     Float[np.ndarray, " places"], Float[np.ndarray, " places"], Float[np.ndarray, " between"]
 ]:
     """Products of the record with steps at evenly spaced places, their squares, and of neighbours.
 
-    In white noise, at right angles to the ramp.
+    In white noise, at right angles to the ramp; with a `gain` that a filter gives to steps.
     """
     # The cosine coefficients of a step at g blocks are a sine of g: a sine transform has all
     # positions at once. Where a random walk is strong, a step is known to a few samples, and a
     # scan must be as fine.
     orders, places = stretch.orders, 2 ** int(np.ceil(np.log2(stretch.count)))
     half = 2 * np.sin(np.pi * orders / (2 * stretch.count))
-    unit = -np.sqrt(2 / stretch.count) * stretch.scale / half
+    unit = -np.sqrt(2 / stretch.count) * stretch.scale * gain / half
     ramp = stretch.ramp / stretch.variance
     top = _sines(stretch.amplitude * unit / stretch.variance, places)
     bottom = _products(unit**2 / stretch.variance, places, 0)

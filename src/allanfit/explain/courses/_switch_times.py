@@ -10,11 +10,15 @@ from scipy.fft import irfft
 from scipy.optimize import brentq
 
 from .._state import Investigation
-from ..spectrum._whiten import KERNEL, kernel_density, level, precision, shaped
+from ..spectrum._whiten import KERNEL, kernel_density, level, mode_frequency, precision, shaped
+from ._course import Course
 from ._one_by_one import LEAST, Edges, Seen, seen_as
+from ._passing import half_and_rise, passed, passing
 
 # Samples that a switch is moved by at once, and how often.
 _REACH, _MOVES = 16, 3
+# Delays of a filter beside that to half of a step [samples].
+_DELAYS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 # Samples of the longest dwell that is looked for as such.
 _BRIEF = 64
 
@@ -23,8 +27,12 @@ def placed(state: Investigation, seen: Seen) -> Seen:
     """The switches of the course that came last, each at its likeliest sample, and brief dwells."""
     assert state.sized is not None
     height, edges = float(state.sized.sizes[-1]), seen.edges
-    expected = level(state.left, state.variance)
-    response = np.asarray(irfft(1 / kernel_density(state.left, expected), KERNEL))
+    expected, through = level(state.left, state.variance), passing(state)
+    density = kernel_density(state.left, expected)
+    if through is not None:
+        # As if noise and switches were in front of it.
+        density = density / through.gain_at(np.arange(KERNEL // 2 + 1) / KERNEL) ** 2
+    response = np.asarray(irfft(1 / density, KERNEL))
     # Of pulses of so many samples and of one unit, by the inverse covariance.
     pulses = np.array(
         [n * response[0] + 2 * np.arange(n - 1, 0, -1) @ response[1:n] for n in range(1, _BRIEF)]
@@ -33,8 +41,11 @@ def placed(state: Investigation, seen: Seen) -> Seen:
 
     def told(each: Edges) -> Float[np.ndarray, " ends"]:
         """Sums of what is left of a stretch, by the inverse covariance."""
-        rest = calm[each.start : each.stop] - height * each.level
+        level_there = each.level if through is None else passed(each.level, through.none)
+        rest = calm[each.start : each.stop] - height * level_there
         weights = precision(rest.size, state.left, expected)
+        if through is not None:
+            weights *= through.gain_at(mode_frequency(rest.size))
         return np.concatenate([[0.0], np.cumsum(shaped(rest, weights))])
 
     for _ in range(_MOVES):
@@ -49,6 +60,19 @@ def placed(state: Investigation, seen: Seen) -> Seen:
     # Needed of the last course alone: how long levels last depends on it.
     found.course.shape["unseen"] = min([unseen, *(shown[:1] + 0.5)])
     return found
+
+
+def with_phases(state: Investigation, seen: Seen) -> list[Course]:
+    """The course with no phase, and with the least that the model's filter has, at some delays."""
+    through, courses = passing(state), [seen.course]
+    if through is not None:
+        half, _ = half_and_rise(through.least)
+        tried = [seen_as(state, seen.edges, through.least, each - half) for each in _DELAYS]
+        # Needed of any that comes last.
+        courses += [
+            each.course._replace(shape=seen.course.shape) for each in tried if each is not None
+        ]
+    return courses
 
 
 def _moved(
@@ -112,7 +136,9 @@ def _with_brief(
 def _shortest_seen(state: Investigation, clear: float) -> float:
     """Samples between two switches that are both seen: nearer ones cancel in the filter."""
     frequency = state.left.frequency
-    energy = 1 / (np.sin(np.pi * frequency) ** 2 * state.variance)
+    energy, through = 1 / (np.sin(np.pi * frequency) ** 2 * state.variance), passing(state)
+    if through is not None:
+        energy *= through.gain_at(frequency) ** 2
     energy /= energy.sum()
 
     def alike(samples: float) -> float:

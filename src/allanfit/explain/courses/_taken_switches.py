@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .._options import smooth_options
+from .._options import smooth_options, take_filter
 from .._refit import add_course, exchange_course, go_back, refit, remembered
 from .._state import Finding, Investigation, whitened_piece
 from ..lines._taken import take_strong_lines
@@ -10,8 +10,9 @@ from ..spectrum import _model
 from ..strength._lasting import about_spread
 from ..values._alone import read_again
 from ..values._held_out import Gain
+from ._course import Course
 from ._one_by_one import Seen, seen_again, seen_one_by_one
-from ._switch_times import placed
+from ._switch_times import placed, with_phases
 from ._switches import quiet
 
 # The noise that switches leave is looked at so many times.
@@ -27,6 +28,7 @@ def take_switches(
     """
     take_strong_lines(state)
     kept = remembered(state)
+    take_filter(state)
     seen = _switch_by_switch(state)
     if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
         state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
@@ -38,7 +40,7 @@ def take_switches(
             "Switches between two levels seen one by one, against a process that wanders.",
         )
         without_spikes(state, made)
-        exchange_course(state, placed(state, seen).course)
+        _exchange_for_likeliest(state, with_phases(state, placed(state, seen)))
         about_spread(state, seed, may_cut=False)
         return True
     go_back(state, kept)
@@ -72,6 +74,16 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
     found.log_p = again.cost - found.gain / 2
     certain = again.clear and again.alike and found.log_p < np.log(state.alarm)
     return again if certain else None
+
+
+def _exchange_for_likeliest(state: Investigation, courses: list[Course]) -> None:
+    """Put the likeliest in place of the course that came last."""
+    costs = []
+    for course in courses:
+        exchange_course(state, course)
+        costs.append(state.cost)
+    if np.argmin(costs) < len(costs) - 1:
+        exchange_course(state, courses[int(np.argmin(costs))])
 
 
 def take_process(state: Investigation) -> bool:

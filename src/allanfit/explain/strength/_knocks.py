@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._intervals import runs, widened
-from .._options import smooth_options
+from .._options import take_filter
 from .._refit import add_course, evidence, go_back, remembered, with_course
 from .._state import Finding, Investigation, whitened_pieces
 from ..courses import _course
@@ -106,7 +106,7 @@ def steps_instead(state: Investigation, changing: Modulation) -> bool:
     if len(found) > _MOST_STEPS or any(course.name == "step" for course in state.courses):
         return False
     before = remembered(state)
-    _take_filter(state)
+    take_filter(state)
     for a, b in found:
         middle, half = (a + b) / 2, max((b - a) / 2, changing.window)
         course = _course.polish(
@@ -125,11 +125,3 @@ def steps_instead(state: Investigation, changing: Modulation) -> bool:
         return True
     go_back(state, before)
     return False
-
-
-def _take_filter(state: Investigation) -> None:
-    """Take a filter, if there is one: behind it noise looks like a walk that hides steps."""
-    found = smooth_options(state)
-    best = max(found, key=lambda option: option.score, default=None)
-    if best is not None and best.name == "low_pass" and best.log_p < np.log(state.alarm):
-        best.take({each.name: each.score for each in found})
