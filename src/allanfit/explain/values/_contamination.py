@@ -5,7 +5,7 @@ It looks at the whitened record, which is independent and standard normal when n
 
 import itertools
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -21,6 +21,12 @@ _FLAT = 0.3
 _GRID_REACH, _GRID_POINTS, _LEAST_DENSITY = 16.0, 4096, 1e-13
 # Shares of spikes, and their size over that of the body, to begin with.
 _SPIKES = ((1e-4, 10.0), (1e-3, 4.0), (1e-2, 3.0), (0.1, 2.0))
+Law = Literal["normal", "student", "alike"]
+#: Laws of their sizes, the plainest first, and nats that another has to say more than that one.
+LAWS: tuple[Law, ...] = ("normal", "student", "alike")
+_PLAINER = 2.0
+# Spikes that are alike differ by such a part, and are so many times as large as the body is wide.
+_ALIKE, _APART = 0.1, 3.0
 # In the gain of a step as a part of the log-likelihood, and in its derivatives.
 _TO_THE_END = {"ftol": 1e-12, "gtol": 1e-3}
 # As many draws of a variance show how uncertain it is.
@@ -35,14 +41,15 @@ _FAR = 300.0
 class Contamination(NamedTuple):
     """A mixture: a `fraction` of the samples has spikes of size `amplitude` added.
 
-    Spikes are normal with this rms, or have Student's distribution with two degrees of freedom
-    and this scale where that says more: many small ones and a few that are huge.
+    Spikes are normal with this rms. Where it says more they have Student's distribution with two
+    degrees of freedom and this scale, many small ones and a few that are huge; or are all alike,
+    up or down by about this much, as a bit that flips makes them.
     """
 
     fraction: float
     amplitude: float
     sigma: float
-    heavy: bool
+    law: Law
     #: Half-widths of what is uniform in values without spikes, in their standard deviations.
     boxes: tuple[float, ...]
     #: Beyond this a sample is more likely a spike than not.
@@ -52,6 +59,11 @@ class Contamination(NamedTuple):
     #: Twice the log-likelihood gained over one normal distribution.
     gain: float
     p_value: float
+
+    @property
+    def heavy(self) -> bool:
+        """Whether a few spikes are far larger than most."""
+        return self.law == "student"
 
 
 def contamination(
@@ -75,19 +87,18 @@ def contamination(
     weights = np.concatenate([body[:-1], np.ones(tail.size)])
 
     def negative(
-        parameters: Float[np.ndarray, " three"], heavy: bool, boxes: tuple
+        parameters: Float[np.ndarray, " three"], law: Law, boxes: tuple
     ) -> tuple[float, Float[np.ndarray, " three"]]:
         """Of the log-likelihood, and its derivatives."""
-        three = fraction, height, core = _free(parameters)
-        body, spikes = _densities(three, heavy, boxes, points)
+        three = fraction, _, core = _free(parameters)
+        body, spikes = _densities(three, law, boxes, points)
         mixture = np.maximum(body + spikes, 1e-300)
         body, spikes = weights * body / mixture, weights * spikes / mixture
-        wide = np.hypot(core, height)
-        wider = spikes @ _spike_slope(points / wide, heavy)
+        of_size, of_core = _spike_slopes(three, law, points)
         slopes = (
             (1 - fraction) * spikes.sum() - fraction * body.sum(),
-            wider * (height / wide) ** 2,
-            wider * (core / wide) ** 2 + body @ _body_slope(points / core, boxes),
+            spikes @ of_size,
+            spikes @ of_core + body @ _body_slope(points / core, boxes),
         )
         return -float(weights @ np.log(mixture)), -np.array(slopes)
 
@@ -101,19 +112,24 @@ def contamination(
     bodies = ((), boxes) if light else ((),)
     singles: list[Any] = [minimize_scalar(alone, bounds=reach, args=(each,)) for each in bodies]
     plain = min(float(single.fun) for single in singles)
-    best, shape = None, (False, ())
-    for body_of, spread, (fraction, spike) in itertools.product(bodies, (False, True), _SPIKES):
-        start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
-        found = minimize(
-            negative, start, (spread, body_of), "L-BFGS-B", jac=True, options=_TO_THE_END
-        )
-        _, height, core = _free(found.x)
-        if spread and height < core:
-            # No spikes, but all of the values under another distribution.
-            continue
-        # Two kinds of spikes are tried; the plainer one is kept unless it says much less.
-        if best is None or found.fun < best.fun - 2.0 * (spread and not shape[0]):
-            best, shape = found, (spread, body_of)
+    # Where spikes that are alike would be, no other start leads.
+    far = [(tail.size / weights.sum(), np.median(tail) / middle)] if tail.size else []
+    best: Any = None
+    shape: tuple[Law, tuple[float, ...]] = (LAWS[0], ())
+    for body_of, law in itertools.product(bodies, LAWS):
+        for fraction, spike in (*_SPIKES, *far):
+            start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
+            found = minimize(
+                negative, start, (law, body_of), "L-BFGS-B", jac=True, options=_TO_THE_END
+            )
+            _, height, core = _free(found.x)
+            if law != LAWS[0] and height < (core if law == "student" else _APART * core):
+                # No spikes, but all of the values under another distribution.
+                continue
+            # The plainest kind of spikes is kept unless it says much less.
+            plainest = law != LAWS[0] and shape[0] == LAWS[0]
+            if best is None or found.fun < best.fun - _PLAINER * plainest:
+                best, shape = found, (law, body_of)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
     draws = curvature_draws(lambda x: negative(x, *shape)[0], best.x, seed)
@@ -136,20 +152,37 @@ def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]
 
 def _densities(
     three: tuple[float, float, float],
-    heavy: bool,
+    law: Law,
     boxes: tuple[float, ...],
     at: Float[np.ndarray, " values"],
 ):
     """Densities of the body and of the spikes of a mixture."""
     fraction, size, core = three
-    wide = np.hypot(core, size)
-    spike = _student(at / wide) if heavy else normal(at / wide)
+    wide = np.hypot(core, _ALIKE * size if law == "alike" else size)
+    if law == "alike":
+        spike = (normal((at - size) / wide) + normal((at + size) / wide)) / 2
+    else:
+        spike = _student(at / wide) if law == "student" else normal(at / wide)
     return (1 - fraction) * _body(at / core, boxes) / core, fraction * spike / wide
 
 
-def _spike_slope(x: Float[np.ndarray, " values"], heavy: bool) -> Float[np.ndarray, " values"]:
-    """Derivative of the log density of spikes `x` in their width along the log of that width."""
-    return 3 * x**2 / (2 + x**2) - 1 if heavy else x**2 - 1
+def _spike_slopes(
+    three: tuple[float, float, float], law: Law, at: Float[np.ndarray, " values"]
+) -> tuple[Float[np.ndarray, " values"], Float[np.ndarray, " values"]]:
+    """Derivatives of the log density of spikes by the logs of their size and of the core."""
+    _, size, core = three
+    if law != "alike":
+        wide = np.hypot(core, size)
+        x = at / wide
+        wider = 3 * x**2 / (2 + x**2) - 1 if law == "student" else x**2 - 1
+        return wider * (size / wide) ** 2, wider * (core / wide) ** 2
+    wide = np.hypot(core, _ALIKE * size)
+    up, down = (at - size) / wide, (at + size) / wide
+    # The share of those that are up, without the overflow of either density.
+    share = expit((down**2 - up**2) / 2)
+    wider = share * up**2 + (1 - share) * down**2 - 1
+    along = size / wide * (share * up - (1 - share) * down)
+    return along + wider * (_ALIKE * size / wide) ** 2, wider * (core / wide) ** 2
 
 
 def _body_slope(
@@ -222,7 +255,7 @@ def log_mixture(
 ) -> Float[np.ndarray, " values"]:
     """Log density of a mixture."""
     three = found.fraction, found.amplitude, found.sigma
-    return np.log(np.maximum(sum(_densities(three, found.heavy, found.boxes, at)), 1e-300))
+    return np.log(np.maximum(sum(_densities(three, found.law, found.boxes, at)), 1e-300))
 
 
 def beyond(
@@ -230,23 +263,34 @@ def beyond(
 ) -> Contamination:
     """Spikes of which only those beyond some reach are told from noise, by maximum likelihood.
 
-    How many there are, and how far, tells of those within. `sizes` and `reach` are in standard
-    deviations of the noise, and so is what is found. Its gain and chance the caller has to tell.
+    How many there are, and how far, tells of those within: normal ones, or all alike. `sizes` and
+    `reach` are in standard deviations of the noise, and so is what is found. Its gain and chance
+    the caller has to tell.
     """
 
-    def negative(two: Float[np.ndarray, " two"]) -> float:
-        fraction, wide = expit(two[0]), np.hypot(1.0, np.exp(two[1]))
-        within = 1 - fraction * 2 * norm.sf(reach / wide)
-        density = fraction * np.maximum(normal(sizes / wide), 1e-300) / wide
+    def negative(two: Float[np.ndarray, " two"], law: Law) -> float:
+        three = float(expit(two[0])), float(np.exp(two[1])), 1.0
+        within = 1 - three[0] * _outside(reach, three[1], law)
+        density = 2 * np.maximum(_densities(three, law, (), sizes)[1], 1e-300)
         told = (samples - sizes.size) * np.log(within) + np.log(density).sum()
         return float(((two[1] - np.log(reach)) / _LIKE_REACH) ** 2 / 2 - told)
 
     start = np.array([np.log(2 * sizes.size / samples), np.log(np.sqrt(np.mean(sizes**2)))])
-    best = minimize(negative, start, method="Nelder-Mead").x
-    drawn = curvature_draws(negative, best, seed)
+    usual, like = (minimize(negative, start, (law,), "Nelder-Mead") for law in ("normal", "alike"))
+    law: Law = "alike" if like.fun < usual.fun - _PLAINER else "normal"
+    best = (like if law == "alike" else usual).x
+    drawn = curvature_draws(lambda two: negative(two, law), best, seed)
     draws = np.column_stack([expit(drawn[:, 0]), np.exp(drawn[:, 1]), np.ones(len(drawn))])
     fraction, size = float(expit(best[0])), float(np.exp(best[1]))
-    return Contamination(fraction, size, 1.0, False, (), reach, draws, 0.0, 1.0)
+    return Contamination(fraction, size, 1.0, law, (), reach, draws, 0.0, 1.0)
+
+
+def _outside(reach: float, size: float, law: Law) -> float:
+    """The share of spikes, with noise of one, that are beyond some reach."""
+    if law == "normal":
+        return float(2 * norm.sf(reach / np.hypot(1.0, size)))
+    wide = np.hypot(1.0, _ALIKE * size)
+    return float(norm.sf((reach - size) / wide) + norm.sf((reach + size) / wide))
 
 
 def in_units(found: Contamination, height: float) -> Contamination:
@@ -265,7 +309,7 @@ def unseen(found: Contamination) -> float:
     widest = _GRID_REACH * float(np.hypot(found.sigma, found.amplitude))
     at = np.linspace(0.0, min(found.threshold, widest), _GRID_POINTS)
     three = found.fraction, found.amplitude, found.sigma
-    spikes = _densities(three, found.heavy, found.boxes, at)[1]
+    spikes = _densities(three, found.law, found.boxes, at)[1]
     return max(2 * float(np.trapezoid(spikes * (at**2 - found.sigma**2), at)), 0.0)
 
 
