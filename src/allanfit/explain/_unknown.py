@@ -193,7 +193,7 @@ def _repeated(
 
     Returns what is broad without it: its pulses would look like noise that swings.
     """
-    if not white.any():
+    if not white.any() or not broad.any():
         return broad
     samples = white.size
     lines = [Line(course.shape["frequency"], _LINE_ERROR / samples) for course in state.lines]

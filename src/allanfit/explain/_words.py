@@ -79,8 +79,8 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"{told('amplitude')} added; N is that of all of it."
         ),
         "output_rounding": lambda: (
-            f"The output is rounded to steps of {told('lsb')}, beside which the noise is not "
-            "small: rounding adds white noise that is not the sensor's N."
+            f"The output is rounded to steps of {told('lsb')}, which are not small beside the "
+            "noise: rounding adds noise that is not the sensor's N, and may hide what is."
         ),
         "sample_hold": lambda: (
             f"Each fresh value is repeated, {told('repeat')} samples of it on average: the sensor "

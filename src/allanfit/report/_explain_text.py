@@ -1,6 +1,7 @@
 """The explanation as plain text for a terminal, 80 columns wide."""
 
 import textwrap
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -27,6 +28,7 @@ from ._rows import Row, description
 
 _WIDTH = 80
 _PLACES = 6  # of mismatch that are told; the weaker ones are in the JSON
+_ALIKE = 3  # effects of one name that are told at length
 _LEGEND = (
     "[low, high] is the 95 % interval, < the 95 % upper limit of a term that is not resolved; "
     "\N{MULTIPLICATION SIGN} tells how many times the model the recording is."
@@ -89,7 +91,13 @@ def _places(rows: Sequence[Mismatch]) -> Iterator[str]:
 
 
 def _effects(rows: Sequence[Effect]) -> Iterator[str]:
+    told: Counter[str] = Counter()
     for row in rows:
+        told[row.name] += 1
+        if told[row.name] > _ALIKE:
+            facts = (f"{each.name} {each.readings[0]}" for each in row.quantities)
+            yield from _wrapped(f"{row.name}: {row.probability}, {', '.join(facts)}", 4, 6)
+            continue
         yield from _wrapped(f"{row.name}: {row.probability}", 4)
         yield from _wrapped(row.sentence, 6)
         width = max((len(each.name) for each in row.quantities), default=0)

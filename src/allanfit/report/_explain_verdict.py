@@ -12,6 +12,7 @@ _ONLY = "data"  # the channel of a file that names none
 _AGREES = 0.01  # p-value, as for a fit
 _NEARLY = 1e-4  # below, what is left out changes what is named
 _MANY = 100  # standard errors, beyond which their number says nothing
+_FINE = 1.0  # nats: two digits of a smaller standard error say nothing
 
 
 class Evidence(NamedTuple):
@@ -105,8 +106,8 @@ def evidence_rows(channel: Mapping[str, Any]) -> list[Evidence]:
         rows.append(
             Evidence(
                 "log score of data held out of the fit",
-                beside_error(score["before"], error),
-                beside_error(score["after"], error),
+                beside_error(score["before"], error and max(error, _FINE)),
+                beside_error(score["after"], error and max(error, _FINE)),
                 _gain(difference, error),
                 difference is not None and difference > 2 * (error or 0.0),
             )
@@ -132,7 +133,9 @@ def _gain(difference: Number | None, error: Number | None) -> str:
     if difference is None:
         return "not known"
     way = "better" if difference > 0 else "worse"
-    shown = f"{way} by {with_error(abs(difference), error)}"
+    fine = error is not None and 0 < error < _FINE
+    size = beside_error(abs(difference), _FINE) if fine else with_error(abs(difference), error)
+    shown = f"{way} by {size}"
     if not error:
         return shown
     times = abs(difference) / error

@@ -14,7 +14,7 @@ from scipy.fft import rfft
 from .._refit import moved_by, resize
 from .._state import Investigation
 from ..spectrum._whiten import KERNEL, level, mode_frequency, precision, shaped
-from ._course import Edge, risen, step
+from ._course import Course, Edge, risen, step
 from ._passing import FINE, half_and_rise, passing
 
 # A step is moved by so many samples, and by twice as many as it takes to be there.
@@ -35,25 +35,42 @@ class _Place(NamedTuple):
 
 def settle(state: Investigation) -> None:
     """Each step with the edge and at the moment that the samples about it show."""
-    through = passing(state)
-    edges = [None] if through is None else [through.least, through.none, None]
+    begin = 0
     for i, course in enumerate(state.courses):
-        found = _likeliest(state, i, edges) if course.name == "step" else None
-        if found is not None:
-            better = step(found.time, state.values.size, found.edge)
-            state.courses[i] = better._replace(places=course.places, length=course.length).kept()
+        begin += course.sizes
+        if course.name != "step":
+            continue
+        assert state.sized is not None
+        better = settled(state, course, float(state.sized.sizes[begin - 1]))
+        if better is not course:
+            state.courses[i] = better.kept()
             state.moved[i] = moved_by(state, state.courses[i])
             resize(state)
 
 
-def _likeliest(state: Investigation, which: int, edges: Sequence[Edge | None]) -> _Place | None:
-    """The edge and the moment of a step, if they are better than those that it has."""
-    assert state.sized is not None
-    course, time = state.courses[which], state.courses[which].shape["time"]
-    height = state.sized.sizes[sum(each.sizes for each in state.courses[:which])]
+def settled(state: Investigation, course: Course, height: float = 0.0) -> Course:
+    """A step, which is among the courses with this height if any, as the samples show it."""
+    time, through = course.shape["time"], passing(state)
     piece = next((each for each in state.pieces if each[0] < time < each[1]), None)
     if piece is None:
-        return None
+        return course
+    edges = [None] if through is None else [through.least, through.none, None]
+    found = _likeliest(state, course, height, piece, edges)
+    if found is None:
+        return course
+    better = step(found.time, state.values.size, found.edge)
+    return better._replace(places=course.places, length=course.length)
+
+
+def _likeliest(
+    state: Investigation,
+    course: Course,
+    height: float,
+    piece: tuple[int, int],
+    edges: Sequence[Edge | None],
+) -> _Place | None:
+    """The edge and the moment of a step, if they are better than those that it has."""
+    time = course.shape["time"]
     start, stop = piece
     drawn, expected = course.draw()[:, 0], level(state.left, state.variance)
     bare = (state.calm + height * drawn)[start:stop]

@@ -8,7 +8,7 @@ from .._chance import course_score
 from .._options import Option
 from .._refit import add_course, evidence
 from .._state import Finding, Investigation
-from ._arrival import settle
+from ._arrival import settled
 from ._course import Course
 from ._scan import propose
 from ._shapes import at_its_edges, refined, together
@@ -29,6 +29,9 @@ def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option
             continue
         if state.switching and course.name == "step":
             continue
+        if course.name == "step" and state.model.kinds.filtering:
+            # Noise behind a filter contradicts a sharp one.
+            course = settled(state, course)
         gain, log_p = evidence(state, course)
         if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
             # Steps compete that are at their places already.
@@ -42,9 +45,10 @@ def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option
             gain: float = gain,
         ) -> None:
             best = refined(state, course, drivers)
+            if best.name == "step":
+                best = settled(state, best)
             add_course(state, best, Finding(course.name, log_p, gain, rivals))
             together(state)
-            settle(state)
 
         worth = course_score(gain, course.sizes, course.places, course.length)
         if course.name in drivers:

@@ -21,7 +21,7 @@ FINE = 8
 # Those of a whole response, and samples to either side that matter of one.
 _LENGTH, _REACH = 2**14, 1024
 # Below such a part of the power there is nothing to tell a response by.
-_STOPPED = 1e-12
+_STOPPED = 1e-60
 # So near to its end is as good as there.
 _NEAR = 0.02
 

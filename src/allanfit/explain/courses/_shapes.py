@@ -32,6 +32,8 @@ def refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Co
         return -with_course(state, tried).cost
 
     if course.name == "step":
+        if state.model.kinds.filtering:
+            return course
         return _course.polish(
             course,
             lambda at: _course.step(round(at), samples),

@@ -8,7 +8,7 @@ from .._options import take_filter
 from .._refit import add_course, evidence, go_back, remembered, with_course
 from .._state import Finding, Investigation, whitened_pieces
 from ..courses import _course
-from ..courses._arrival import settle
+from ..courses._arrival import settled
 from ..values._held_out import of_times
 from ._bursts import Burst
 from ._modulation import Modulation
@@ -116,12 +116,12 @@ def steps_instead(state: Investigation, changing: Modulation) -> bool:
             half / 2,
             lambda tried: -with_course(state, tried).cost,
         )
+        course = settled(state, course)
         gain, log_p = evidence(state, course)
         if log_p > 2 * np.log(state.alarm):
             break
         add_course(state, course, Finding("step", log_p, gain))
     else:
-        settle(state)
         return True
     go_back(state, before)
     return False

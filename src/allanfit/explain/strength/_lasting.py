@@ -37,6 +37,8 @@ _LONGER_TAIL, _HARDLY_LONGER, _BRIEFLY, _FINE = 3.0, 1.25, 1.5, 1.5
 _SHORTEST_QUIET = 1024
 # So much of the modes is heard in full where samples were mended.
 _HEARD = 0.9
+# Of N at least such a part is there in quiet times.
+_LEFT = 0.05
 # A part of the variance that is left however quiet it is.
 _WEAKEST = 1e-3
 
@@ -207,10 +209,11 @@ def move_loud_times(state: Investigation, changing: Modulation) -> None:
 
 def count_out(state: Investigation, changing: Modulation) -> None:
     """Count white variance out of N that only loud times have, in place of what was before."""
-    added = _loud_variance(state, changing)
+    white = float(np.exp(state.model.theta[1]))
+    added = min(_loud_variance(state, changing), (1 - _LEFT) * white)
     # As loud as it gets, in all of the spectrum or in the white part of it.
     share = float(changing.loud.mean())
-    quiet = max(float(np.exp(state.model.theta[1])) - added, 1e-300)
+    quiet = max(white - added, 1e-300)
     louder = max(changing.ratio**2 - 1, _WEAKEST)
     part = max(1.0, added / share / quiet / louder)
     strength = np.maximum(1 + part * (changing.deviation() ** 2 - 1), _WEAKEST)
@@ -301,8 +304,13 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
     spectrum = ordinates(quiet, state.sampling)
     bins = binned(spectrum, bin_edges(spectrum.longest))
     data = state.data._replace(bins=bins, samples=float(spectrum.longest))
-    alone = _model.five_terms(np.exp(state.model.theta[:4]), data)
-    # Behind a filter five terms know no N, and loud times add nothing to nothing.
+    kinds, theta = state.model.kinds, state.model.theta
+    if kinds.filtering:
+        # The same filter is before them.
+        alone = _model.best([(kinds, theta)], data)[0]
+    else:
+        alone = _model.five_terms(np.exp(theta[:4]), data)
+    # Behind a filter that is not known yet five terms know no N, and loud times add nothing to it.
     return max(float(np.exp(state.model.theta[1]) - np.exp(alone.theta[1])), 0.0)
 
 
