@@ -82,7 +82,7 @@ def test_a_step_behind_a_filter_has_no_knock_and_no_spikes(by, height):
     assert state.sized.sizes[0] == pytest.approx(height, abs=0.1)
 
 
-@pytest.mark.parametrize("by", ["Butterworth", "windowed"])
+@pytest.mark.parametrize("by", ["Butterworth", "averages"])
 def test_a_telegraph_behind_a_filter_is_one(by):
     rng = np.random.default_rng(4)
     held = rng.exponential(900, 400).astype(int) + 1

@@ -15,12 +15,10 @@ from .._refit import moved_by, resize
 from .._state import Investigation
 from ..spectrum._whiten import KERNEL, level, mode_frequency, precision, shaped
 from ._course import Course, Edge, risen, step
-from ._passing import FINE, half_and_rise, passing
+from ._passing import FINE, HEARD, half_and_rise, passing
 
 # A step is moved by so many samples, and by twice as many as it takes to be there.
 _REACH = 8
-# Above such a part of the modes, where a filter may leave nothing, they weigh no more than there.
-_HEARD = 0.9
 # What another place or edge has to gain, in twice the log-likelihood.
 _BETTER, _ALIKE = 6.0, 2.0
 
@@ -74,8 +72,7 @@ def _likeliest(
     start, stop = piece
     drawn, expected = course.draw()[:, 0], level(state.left, state.variance)
     bare = (state.calm + height * drawn)[start:stop]
-    weights = precision(bare.size, state.left, expected)
-    weights = np.minimum(weights, np.quantile(weights, _HEARD))
+    weights = precision(bare.size, state.left, expected, HEARD)
     told = shaped(bare, weights)
     # What differs about the step is near it.
     first = max(start, round(time) - KERNEL // 4)

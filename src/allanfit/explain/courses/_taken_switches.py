@@ -7,12 +7,12 @@ from .._refit import add_course, exchange_course, go_back, refit, remembered
 from .._state import Finding, Investigation, whitened_piece
 from ..lines._taken import take_strong_lines
 from ..spectrum import _model
+from ..spectrum._structure import TERMS
 from ..strength._lasting import about_spread
 from ..values._alone import read_again
 from ..values._held_out import Gain
-from ._course import Course
 from ._one_by_one import Seen, seen_again, seen_one_by_one
-from ._switch_times import placed, with_phases
+from ._switch_times import placed, with_phase
 from ._switches import quiet
 
 # The noise that switches leave is looked at so many times.
@@ -29,6 +29,7 @@ def take_switches(
     take_strong_lines(state)
     kept = remembered(state)
     take_filter(state)
+    _take_filter_again(state)
     seen = _switch_by_switch(state)
     if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
         state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
@@ -40,7 +41,15 @@ def take_switches(
             "Switches between two levels seen one by one, against a process that wanders.",
         )
         without_spikes(state, made)
-        _exchange_for_likeliest(state, with_phases(state, placed(state, seen)))
+        at_once = placed(state, seen)
+        exchange_course(state, at_once.course)
+        _take_filter_again(state)
+        without = remembered(state)
+        before = state.cost
+        exchange_course(state, with_phase(state, at_once).course)
+        _take_filter_again(state)
+        if state.cost > before:
+            go_back(state, without)
         about_spread(state, seed, may_cut=False)
         return True
     go_back(state, kept)
@@ -61,6 +70,7 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
         state.model = _model.without(state.model, names.index("gauss_markov"))
     found = Finding(seen.course.name, 0.0, 0.0)
     add_course(state, seen.course, found)
+    _take_filter_again(state)
     for _ in range(_MOST_LOOKS):
         again = seen_again(state, seen)
         if again is None:
@@ -76,14 +86,18 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
     return again if certain else None
 
 
-def _exchange_for_likeliest(state: Investigation, courses: list[Course]) -> None:
-    """Put the likeliest in place of the course that came last."""
-    costs = []
-    for course in courses:
-        exchange_course(state, course)
-        costs.append(state.cost)
-    if np.argmin(costs) < len(costs) - 1:
-        exchange_course(state, courses[int(np.argmin(costs))])
+def _take_filter_again(state: Investigation) -> None:
+    """The filter, after switches were taken out of the spectrum as they are known now.
+
+    What they left in it before made another filter likely, and N hard to see.
+    """
+    if state.model.kinds.filtering and not state.model.kinds.added:
+        kept = state.model, list(state.findings)
+        state.findings = [each for each in state.findings if each.name != "low_pass"]
+        state.model = _model.five_terms(np.exp(state.first.theta[:TERMS]), state.data)
+        take_filter(state)
+        if state.model.deviance > kept[0].deviance:
+            state.model, state.findings = kept
 
 
 def take_process(state: Investigation) -> bool:

@@ -64,9 +64,7 @@ def whitened(
 
     Above a `share` of the modes, where noise is weakest, they are not amplified more than there.
     """
-    gain = np.sqrt(precision(piece.size, spectrum, expected))
-    if share < 1:
-        gain = np.minimum(gain, np.quantile(gain, share))
+    gain = np.sqrt(precision(piece.size, spectrum, expected, share))
     for notch in notches:
         gain[np.abs(mode_frequency(piece.size) - notch) < 2.5 / piece.size] = 0.0
     return shaped(piece, gain)
@@ -78,15 +76,21 @@ def mode_frequency(samples: int) -> Float[np.ndarray, " samples"]:
 
 
 def precision(
-    samples: int, spectrum: Ordinates, expected: Float[np.ndarray, " ordinates"]
+    samples: int,
+    spectrum: Ordinates,
+    expected: Float[np.ndarray, " ordinates"],
+    share: float = 1.0,
 ) -> Float[np.ndarray, " samples"]:
-    """One over the variance of each mode of a stretch [1/u^2], zero where none is known."""
+    """One over the variance of each mode of a stretch [1/u^2], zero where none is known.
+
+    Above a `share` of the modes, where noise is weakest, it is no more than there.
+    """
     frequency = mode_frequency(samples)
     # An ordinate is 2 c^2.
     found = 2 / np.interp(frequency, spectrum.frequency, expected)
     found[:_DROPPED] = 0.0
     found[~spectrum.clean(frequency)] = 0.0
-    return found
+    return np.minimum(found, np.quantile(found, share)) if share < 1 else found
 
 
 def kernel_density(
