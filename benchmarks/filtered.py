@@ -60,7 +60,7 @@ def draw(kind: str, seed: int) -> tuple[np.ndarray, dict[str, float], str]:
     x += walk * np.cumsum(rng.standard_normal(samples))
     truth = {"N": RATE_HZ**-0.5}
     if kind == "step":
-        truth["amplitude"] = 10 ** rng.uniform(0, 1.3) * rng.choice([-1, 1])
+        truth["amplitude"] = float(10 ** rng.uniform(0, 1.3) * rng.choice([-1, 1]))
         x[rng.integers(samples // 4, 3 * samples // 4) :] += truth["amplitude"]
     elif kind == "telegraph":
         truth["amplitude"], dwell = rng.uniform(2, 7), 10 ** rng.uniform(2.6, 3.7)
@@ -97,7 +97,7 @@ def main(arguments=None):
             for parameter, value in truth.items():
                 if parameter in told:
                     low, high = told[parameter]["intervals"]["0.95"]
-                    row[parameter] += low <= value <= high
+                    row[parameter] += bool(low <= value <= high)
         rows.append(row)
     print("| record | rightly named | and nothing but the filter | amplitude held | dwell | N | of")
     print("|---|---|---|---|---|---|---|")
