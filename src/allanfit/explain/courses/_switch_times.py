@@ -6,21 +6,16 @@ the samples that it passes say, and a brief dwell is a pulse of the height that 
 
 import numpy as np
 from jaxtyping import Float
-from scipy.fft import irfft, rfft
+from scipy.fft import irfft
 from scipy.optimize import brentq
 
 from .._state import Investigation
 from ..spectrum._whiten import KERNEL, kernel_density, level, mode_frequency, precision, shaped
-from ._course import Edge, risen
 from ._one_by_one import LEAST, Edges, Seen, seen_as
-from ._passing import HEARD, half_and_rise, passed, passing
+from ._passing import passed, passing
 
 # Samples that a switch is moved by at once, and how often.
 _REACH, _MOVES = 16, 3
-# Delays of a filter beside that to half of a step [samples].
-_DELAYS = (-1.0, -0.5, 0.0, 0.5, 1.0)
-# Samples that a switch is moved by then, and those about it that differ.
-_NEARBY, _AROUND = 3, 512
 # Samples of the longest dwell that is looked for as such.
 _BRIEF = 64
 
@@ -62,80 +57,6 @@ def placed(state: Investigation, seen: Seen) -> Seen:
     # Needed of the last course alone: how long levels last depends on it.
     found.course.shape["unseen"] = min([unseen, *(shown[:1] + 0.5)])
     return found
-
-
-def with_phase(state: Investigation, seen: Seen) -> Seen:
-    """The switches of the course that came last with the phase of the model's filter.
-
-    It has none, or the least that it can have, at some delay; and each switch is moved to the
-    sample at which it is likeliest then.
-    """
-    through = passing(state)
-    if through is None:
-        return seen
-    assert state.sized is not None
-    height, path = float(state.sized.sizes[-1]), seen.course.draw()[:, 0]
-    expected = level(state.left, state.variance)
-    half, _ = half_and_rise(through.least)
-    ways = [(through.none, 0.0), *((through.least, each - half) for each in _DELAYS)]
-    gains = np.zeros(len(ways))
-    for each in seen.edges:
-        rest, weights = _rest(state, each, expected)
-        told = shaped(rest, weights)
-        for i, (edge, late) in enumerate(ways):
-            other = height * (passed(each.level, edge, late) - path[each.start : each.stop])
-            gains[i] += other @ told - other @ shaped(other, weights) / 2
-    edge, late = ways[int(np.argmax(gains))]
-    edges = []
-    for each in seen.edges:
-        rest, weights = _rest(state, each, expected)
-        rest += height * path[each.start : each.stop]
-        for _ in range(_MOVES):
-            told = shaped(rest - height * passed(each.level, edge, late), weights)
-            each = _at_best(each, told, height, edge, late, expected, state)
-        edges.append(each)
-    found = seen_as(state, edges, edge, late) or seen
-    found.course.shape["unseen"] = seen.course.shape["unseen"]
-    return found
-
-
-def _rest(
-    state: Investigation, edges: Edges, expected: Float[np.ndarray, " ordinates"]
-) -> tuple[Float[np.ndarray, " samples"], Float[np.ndarray, " samples"]]:
-    """What is left of a stretch, and how its modes weigh."""
-    rest = state.calm[edges.start : edges.stop]
-    return rest.copy(), precision(rest.size, state.left, expected, HEARD)
-
-
-def _at_best(
-    edges: Edges,
-    told: Float[np.ndarray, " samples"],
-    height: float,
-    edge: Edge,
-    late: float,
-    expected: Float[np.ndarray, " ordinates"],
-    state: Investigation,
-) -> Edges:
-    """Each switch at the likeliest of a few samples about it, the others as they are.
-
-    `told` is what is left, by the inverse covariance.
-    """
-    density = kernel_density(state.left, expected)
-    weight = 1 / np.maximum(density, np.quantile(density, 1 - HEARD))
-    near, moves = np.arange(-_AROUND, _AROUND + 1), np.arange(-_NEARBY, _NEARBY + 1)
-    still = risen(near - late, edge)
-    differ = height * np.array([risen(near - move - late, edge) - still for move in moves])
-    power = np.abs(np.asarray(rfft(differ, KERNEL))) ** 2 * weight
-    energy = (2 * power.sum(axis=1) - power[:, 0] - power[:, -1]) / KERNEL
-    around = np.pad(told, _AROUND)
-    at = edges.at - edges.start
-    gain = np.array([around[place : place + near.size] @ differ.T for place in at])
-    gain = gain * edges.turns[:, None] - energy / 2
-    best = at + moves[np.argmax(gain, axis=1)]
-    # What would change places stays.
-    stays = np.diff(best, prepend=0, append=told.size) <= 0
-    best = np.where(stays[1:] | stays[:-1], at, best)
-    return edges._replace(at=best + edges.start)
 
 
 def _moved(

@@ -12,7 +12,8 @@ from ..strength._lasting import about_spread
 from ..values._alone import read_again
 from ..values._held_out import Gain
 from ._one_by_one import Seen, seen_again, seen_one_by_one
-from ._switch_times import placed, with_phase
+from ._phase import with_phase
+from ._switch_times import placed
 from ._switches import quiet
 
 # The noise that switches leave is looked at so many times.
@@ -28,8 +29,10 @@ def take_switches(
     """
     take_strong_lines(state)
     kept = remembered(state)
-    take_filter(state)
-    _take_filter_again(state)
+    if state.model.kinds.filtering:
+        _take_filter_again(state)
+    else:
+        take_filter(state)
     seen = _switch_by_switch(state)
     if seen is not None and quiet(state, whitened_piece(state, state.longest), knocks):
         state.gains[seen.course.name] = Gain(-seen.cost, 0.0)
@@ -41,19 +44,25 @@ def take_switches(
             "Switches between two levels seen one by one, against a process that wanders.",
         )
         without_spikes(state, made)
-        at_once = placed(state, seen)
-        exchange_course(state, at_once.course)
-        _take_filter_again(state)
-        without = remembered(state)
-        before = state.cost
-        exchange_course(state, with_phase(state, at_once).course)
-        _take_filter_again(state)
-        if state.cost > before:
-            go_back(state, without)
+        _place(state, seen)
         about_spread(state, seed, may_cut=False)
         return True
     go_back(state, kept)
     return False
+
+
+def _place(state: Investigation, seen: Seen) -> None:
+    """Each switch of the course that came last at its sample, and as a filter passes it."""
+    seen = placed(state, seen)
+    exchange_course(state, seen.course)
+    if not state.model.kinds.filtering:
+        return
+    _take_filter_again(state)
+    no_phase, cost = remembered(state), state.cost
+    exchange_course(state, with_phase(state, seen).course)
+    _take_filter_again(state)
+    if state.cost > cost:
+        go_back(state, no_phase)
 
 
 def _switch_by_switch(state: Investigation) -> Seen | None:
