@@ -5,6 +5,8 @@ import pytest
 from scipy.signal import butter, firwin, freqz, lfilter
 
 from allanfit.explain._investigate import investigate
+from allanfit.explain.courses._arrival import settled
+from allanfit.explain.courses._course import step
 from allanfit.explain.courses._passing import (
     _LENGTH,
     _least_phase,
@@ -93,3 +95,11 @@ def test_a_telegraph_behind_a_filter_is_one(by):
     assert state.sized.sizes[-1] == pytest.approx(4, abs=0.1)
     # The white noise is as strong as it is at low frequency.
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
+@pytest.mark.parametrize("at", [3, SAMPLES - 4])
+def test_a_step_at_the_very_ends_stays_within(at):
+    values = filtered(6, np.zeros(SAMPLES), "Butterworth")
+    state = investigated(values)
+    found = settled(state, step(at, SAMPLES))
+    assert 0 < found.shape["time"] < SAMPLES

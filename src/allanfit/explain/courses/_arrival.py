@@ -91,6 +91,8 @@ def _likeliest(
         half, rise = (0, 0) if edge is None else half_and_rise(edge)
         reach = _REACH + 2 * rise
         moments = np.arange(shown - half - reach, shown - half + reach + 1)
+        # With half of it within the stretch.
+        moments = moments[(moments > start) & (moments + half < stop)]
         found = max((at_moment(float(at), edge) for at in moments), key=lambda one: one.gain)
         if edge is None:
             return found
