@@ -45,7 +45,7 @@ CONTRACT = {
     "temperature": ["sensitivity", "time_scale", "quadratic"],
     "warm_up": ["amplitude", "time_constant"],
     "step": ["amplitude", "times", "heights"],
-    "outliers": ["fraction", "amplitude"],
+    "outliers": ["fraction", "amplitude", "alike"],
     "output_rounding": ["lsb"],
     "sample_hold": ["repeat", "regular"],
     "dropped_samples": ["fraction"],

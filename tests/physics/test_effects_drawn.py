@@ -354,6 +354,16 @@ def test_outliers():
     assert abs(np.mean(hit**2) / 25 - 1) < 4.5 * (2 / len(hit)) ** 0.5
 
 
+def test_outliers_that_are_alike():
+    """As above: of a mean size with a relative deviation of a tenth, and as many up as down."""
+    effect = effect_from("outliers", {"fraction": 0.01, "amplitude": 5.0, "alike": 1})
+    hit = applied(effect, np.zeros(100_000))
+    hit = hit[hit != 0]
+    assert abs(np.mean(np.abs(hit)) / 5 - 1) < 4.5 * 0.1 / len(hit) ** 0.5
+    assert abs(np.std(np.abs(hit)) / 0.5 - 1) < 4.5 / (2 * len(hit)) ** 0.5
+    assert abs(np.mean(hit > 0) - 0.5) < 4.5 * 0.5 / len(hit) ** 0.5
+
+
 def test_rounding_and_saturation():
     samples = np.array([-0.9, -0.26, 0.1, 0.6])
     rounded = applied(made(OutputRounding, 0.5), samples)

@@ -72,7 +72,9 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "outliers": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
-            f"{told('amplitude')} added, which inflate N."
+            f"{told('amplitude')} added, "
+            + ("all of them alike, " if "alike" in shown else "")
+            + "which inflate N."
             if shown["fraction"]["value"] <= USUAL
             else "The noise has longer tails than normal noise, as if "
             f"{100 * shown['fraction']['value']:.2g} % of the samples had noise of "

@@ -106,7 +106,7 @@ def flipped(seed: int, fraction: float, size: float):
 def test_spikes_that_are_alike_leave_none_within_the_noise():
     """Of 40 sets 95 % intervals hold 34 times at least: fewer by chance of .01 or less.
 
-    As normal spikes of that size two thirds of those below would be counted as unseen.
+    Of normal spikes of that size more than half would be within the reach.
     """
     held = np.zeros((2, 2), int)
     for seed in range(40):

@@ -14,6 +14,8 @@ from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit
 from scipy.stats import chi2, norm
 
+from ...physics._outliers import UNLIKE
+
 # Uniform parts whose fourth powers add up to less than that of this change no tail.
 _FLAT = 0.3
 # Half-width and points of the grid on which a body that is not normal is computed [standard
@@ -25,8 +27,8 @@ Law = Literal["normal", "student", "alike"]
 #: Laws of their sizes, the plainest first, and nats that another has to say more than that one.
 LAWS: tuple[Law, ...] = ("normal", "student", "alike")
 _PLAINER = 2.0
-# Spikes that are alike differ by such a part, and are so many times as large as the body is wide.
-_ALIKE, _APART = 0.1, 3.0
+# Spikes that are alike are so many times as large as the body is wide.
+_APART = 3.0
 # In the gain of a step as a part of the log-likelihood, and in its derivatives.
 _TO_THE_END = {"ftol": 1e-12, "gtol": 1e-3}
 # As many draws of a variance show how uncertain it is.
@@ -158,7 +160,7 @@ def _densities(
 ):
     """Densities of the body and of the spikes of a mixture."""
     fraction, size, core = three
-    wide = np.hypot(core, _ALIKE * size if law == "alike" else size)
+    wide = np.hypot(core, UNLIKE * size if law == "alike" else size)
     if law == "alike":
         spike = (normal((at - size) / wide) + normal((at + size) / wide)) / 2
     else:
@@ -176,13 +178,13 @@ def _spike_slopes(
         x = at / wide
         wider = 3 * x**2 / (2 + x**2) - 1 if law == "student" else x**2 - 1
         return wider * (size / wide) ** 2, wider * (core / wide) ** 2
-    wide = np.hypot(core, _ALIKE * size)
+    wide = np.hypot(core, UNLIKE * size)
     up, down = (at - size) / wide, (at + size) / wide
     # The share of those that are up, without the overflow of either density.
     share = expit((down**2 - up**2) / 2)
     wider = share * up**2 + (1 - share) * down**2 - 1
     along = size / wide * (share * up - (1 - share) * down)
-    return along + wider * (_ALIKE * size / wide) ** 2, wider * (core / wide) ** 2
+    return along + wider * (UNLIKE * size / wide) ** 2, wider * (core / wide) ** 2
 
 
 def _body_slope(
@@ -289,7 +291,7 @@ def _outside(reach: float, size: float, law: Law) -> float:
     """The share of spikes, with noise of one, that are beyond some reach."""
     if law == "normal":
         return float(2 * norm.sf(reach / np.hypot(1.0, size)))
-    wide = np.hypot(1.0, _ALIKE * size)
+    wide = np.hypot(1.0, UNLIKE * size)
     return float(norm.sf((reach - size) / wide) + norm.sf((reach + size) / wide))
 
 

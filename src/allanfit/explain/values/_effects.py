@@ -59,7 +59,10 @@ def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Eff
 
 def _spiky(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     drawn = finding.detail.draws
-    return [Effect("outliers", LINE, {}, {"fraction": drawn[:, 0], "amplitude": drawn[:, 1]})]
+    values = {"fraction": drawn[:, 0], "amplitude": drawn[:, 1]}
+    if finding.detail.law == "alike":
+        values["alike"] = np.ones(2)
+    return [Effect("outliers", LINE, {}, values)]
 
 
 def _modulated(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
