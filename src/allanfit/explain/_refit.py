@@ -21,8 +21,9 @@ from .spectrum._structure import EACH, RUNNING_MEAN, TERMS, sieve
 _NEAR_ZERO = 0.002
 # Half the degrees of freedom of a bin whose density is known to a tenth.
 _MANY = 100.0
-# What changes when a course is taken, and taken back.
+# What changes when a course, or the filter that it passes, is taken, and taken back.
 _OF_COURSES = ("courses", "moved", "sized", "left_over", "findings", "model", "data")
+_OF_FILTERS = ("spectrum", "edges")
 
 
 def refit(state: Investigation) -> None:
@@ -126,9 +127,12 @@ def exchange_course(state: Investigation, course: Course) -> None:
 
 
 def remembered(state: Investigation) -> dict[str, Any]:
-    """What changes when courses are taken or taken back, for `go_back`."""
-    # Lists are added to in place.
-    return {name: copy(getattr(state, name)) for name in _OF_COURSES}
+    """What changes when courses or a filter are taken or taken back, for `go_back`."""
+    values = {name: getattr(state, name) for name in (*_OF_COURSES, *_OF_FILTERS)}
+    # Lists are added to in place; what else there is is made anew.
+    return {
+        name: copy(value) if isinstance(value, list) else value for name, value in values.items()
+    }
 
 
 def go_back(state: Investigation, kept: dict[str, Any]) -> None:

@@ -101,12 +101,12 @@ def _take_filter_again(state: Investigation) -> None:
     What they left in it before made another filter likely, and N hard to see.
     """
     if state.model.kinds.filtering and not state.model.kinds.added:
-        kept = state.model, list(state.findings)
+        kept, deviance = remembered(state), state.model.deviance
         state.findings = [each for each in state.findings if each.name != "low_pass"]
         state.model = _model.five_terms(np.exp(state.first.theta[:TERMS]), state.data)
         take_filter(state)
-        if state.model.deviance > kept[0].deviance:
-            state.model, state.findings = kept
+        if state.model.deviance > deviance:
+            go_back(state, kept)
 
 
 def take_process(state: Investigation) -> bool:

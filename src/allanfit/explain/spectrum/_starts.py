@@ -45,6 +45,9 @@ def added_starts(name: str, peaks: Peaks, model: Model, data: Data) -> list[Star
         three = np.array([0.0, free(first, *limits[0]), free(second, *limits[1])])
         unit = noise_density(name, three[None], data)[0]
         strongest = int(np.argmax(np.where(used, unit / mean, 0.0)))
+        if unit[strongest] == 0:
+            # A peak among frequencies that are left out, of which no others tell.
+            continue
         # As much as the data have there above the model, but no less than a weak effect has.
         seen = float(data.bins.density[strongest] / mean[strongest] - 1)
         much = max(seen, _WEAK)
