@@ -33,6 +33,7 @@ def refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Co
 
     if course.name == "step":
         if state.model.kinds.filtering:
+            # It is placed already, by the samples about it.
             return course
         return _course.polish(
             course,
