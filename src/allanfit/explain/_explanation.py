@@ -23,7 +23,7 @@ from ._held_out import HeldOut
 from ._misfit import MISFIT
 from ._mismatch import Located, Mismatch, located
 from ._state import Investigation
-from ._words import effect_sentence, family_sentence
+from ._words import effect_sentence, family_sentence, without_pointer
 from .lines._harmonics import Family, Line, families
 from .simulation._compare import compared
 from .simulation._document import simulation_curves, simulation_document
@@ -186,8 +186,10 @@ class ChannelExplanation:
         what is known here.
         """
         if self.effects and bool(self.before.converged):
-            return tuple(self.channel.findings)
-        return ChannelFit(self.channel, self.before, None).findings
+            found = self.channel.findings
+        else:
+            found = ChannelFit(self.channel, self.before, None).findings
+        return tuple(without_pointer(sentence) for sentence in found)
 
     @property
     def _families(self) -> list[Family]:

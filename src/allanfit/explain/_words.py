@@ -1,5 +1,6 @@
 """Sentences about effects, as an engineer would say them."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,9 @@ from .lines._harmonics import Family
 from .values._spikes import USUAL
 
 Parameters = dict[str, dict[str, Any]]
+
+# "..., and `allanfit explain` tells by how much".
+_POINTER = re.compile(r"[,:] (?:and )?`allanfit explain` tells [^.]*")
 
 
 def effect_sentence(effect: Effect, shown: Parameters) -> str:
@@ -171,3 +175,8 @@ def _unequal(shown: Parameters) -> str:
 
 def _height(shown: Parameters) -> float:
     return float(shown["height"]["value"]) if "height" in shown else 0.0
+
+
+def without_pointer(finding: str) -> str:
+    """A finding without what points a reader of a fit to an explanation: this is one."""
+    return _POINTER.sub("", finding)
