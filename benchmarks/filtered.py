@@ -23,16 +23,12 @@ from scipy.signal import butter, firwin, lfilter
 import allanfit
 from allanfit.report import write_json
 
+from .telegraph import levels
+
 SAMPLES, RATE_HZ = 120_000, 100.0
 # Records begin when the filter has forgotten that it was empty.
 BEFORE = 2_000
 KINDS = {"nothing": "", "step": "step", "telegraph": "random_telegraph", "knock": "disturbance"}
-
-
-def levels(rng: np.random.Generator, dwell: float, samples: int) -> np.ndarray:
-    """0 and 1, each for exponential times."""
-    held = np.ceil(rng.exponential(dwell, 4 * int(samples / dwell + 20))).astype(int)
-    return np.repeat(np.arange(held.size) % 2, held)[:samples].astype(float)
 
 
 def filtered(rng: np.random.Generator, x: np.ndarray) -> tuple[np.ndarray, str]:

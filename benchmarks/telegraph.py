@@ -24,10 +24,10 @@ SAMPLES, RATE_HZ = 120_000, 10.0
 KINDS = ("telegraph", "Gauss-Markov", "steps")
 
 
-def levels(rng: np.random.Generator, dwell: float) -> np.ndarray:
+def levels(rng: np.random.Generator, dwell: float, samples: int = SAMPLES) -> np.ndarray:
     """0 and 1, each for exponential times."""
-    held = np.ceil(rng.exponential(dwell, 4 * int(SAMPLES / dwell + 20))).astype(int)
-    return np.repeat(np.arange(held.size) % 2, held)[:SAMPLES].astype(float)
+    held = np.ceil(rng.exponential(dwell, 4 * int(samples / dwell + 20))).astype(int)
+    return np.repeat(np.arange(held.size) % 2, held)[:samples].astype(float)
 
 
 def draw(kind: str, seed: int) -> tuple[np.ndarray, dict[str, float]]:

@@ -22,8 +22,17 @@ _NEAR_ZERO = 0.002
 # Half the degrees of freedom of a bin whose density is known to a tenth.
 _MANY = 100.0
 # What changes when a course, or the filter that it passes, is taken, and taken back.
-_OF_COURSES = ("courses", "moved", "sized", "left_over", "findings", "model", "data")
-_OF_FILTERS = ("spectrum", "edges")
+_OF_COURSES = (
+    "courses",
+    "moved",
+    "sized",
+    "left_over",
+    "findings",
+    "model",
+    "data",
+    "spectrum",
+    "edges",
+)
 
 
 def refit(state: Investigation) -> None:
@@ -128,7 +137,7 @@ def exchange_course(state: Investigation, course: Course) -> None:
 
 def remembered(state: Investigation) -> dict[str, Any]:
     """What changes when courses or a filter are taken or taken back, for `go_back`."""
-    values = {name: getattr(state, name) for name in (*_OF_COURSES, *_OF_FILTERS)}
+    values = {name: getattr(state, name) for name in _OF_COURSES}
     # Lists are added to in place; what else there is is made anew.
     return {
         name: copy(value) if isinstance(value, list) else value for name, value in values.items()

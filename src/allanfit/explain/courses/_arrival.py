@@ -13,9 +13,9 @@ from scipy.fft import rfft
 
 from .._refit import moved_by, resize
 from .._state import Investigation
-from ..spectrum._whiten import KERNEL, level, mode_frequency, precision, shaped
+from ..spectrum._whiten import HEARD, KERNEL, level, mode_frequency, precision, shaped
 from ._course import Course, Edge, risen, step
-from ._passing import FINE, HEARD, half_and_rise, passing
+from ._passing import FINE, half_and_rise, passing
 
 # A step is moved by so many samples, and by twice as many as it takes to be there.
 _REACH = 8

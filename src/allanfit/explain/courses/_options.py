@@ -45,8 +45,6 @@ def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option
             gain: float = gain,
         ) -> None:
             best = refined(state, course, drivers)
-            if best.name == "step":
-                best = settled(state, best)
             add_course(state, best, Finding(course.name, log_p, gain, rivals))
             together(state)
 

@@ -18,8 +18,6 @@ from ._course import Edge, risen
 
 #: Points a sample of the response of a filter in front of the converter.
 FINE = 8
-#: Above such a part of the modes, where a filter may leave nothing, they weigh no more than there.
-HEARD = 0.9
 # Those of a whole response, and samples to either side that matter of one.
 _LENGTH, _REACH = 2**14, 1024
 # Below such a part of the power there is nothing to tell a response by.

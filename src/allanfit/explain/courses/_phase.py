@@ -9,10 +9,10 @@ from jaxtyping import Float
 from scipy.fft import rfft
 
 from .._state import Investigation
-from ..spectrum._whiten import KERNEL, kernel_density, level, precision, shaped
+from ..spectrum._whiten import HEARD, KERNEL, kernel_density, level, precision, shaped
 from ._course import risen
 from ._one_by_one import Edges, Seen, seen_as
-from ._passing import HEARD, half_and_rise, passed, passing
+from ._passing import half_and_rise, passed, passing
 
 # Delays beside that to half of a step [samples].
 _DELAYS = (-1.0, -0.5, 0.0, 0.5, 1.0)

@@ -12,6 +12,7 @@ from .._state import Investigation
 from ..strength._lasting import loudness, move_loud_times
 from ..strength._modulation import Modulation
 from . import _course
+from ._arrival import settled
 from ._course import Course
 from ._edges import sharpened
 from ._sums import Summing
@@ -35,13 +36,14 @@ def refined(state: Investigation, course: Course, drivers: dict[str, Any]) -> Co
         if state.model.kinds.filtering:
             # It is placed already, by the samples about it.
             return course
-        return _course.polish(
+        course = _course.polish(
             course,
             lambda at: _course.step(round(at), samples),
             course.shape["time"],
             length / 2000,
             gain,
         )
+        return settled(state, course)
     if course.name == "warm_up":
         constant = course.shape["time_constant"]
         return _course.polish(

@@ -22,6 +22,9 @@ _MEDIAN = 0.45494
 # The relative standard deviation of a median of n of them, times sqrt(n).
 _SCATTER = 2.33
 _CLEAR = 5.0
+#: Above such a share of the modes, where a filter may leave nothing, what is off by more than that
+#: little would be amplified: they weigh no more than there.
+HEARD = 0.9
 #: Samples of a kernel that is long enough for what whitening does in time.
 KERNEL = 4096
 #: So many of the first and of the last samples of a stretch may hold what its ends leak.

@@ -9,7 +9,7 @@ from .._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ..lines._lines import scan
 from ..spectrum import _model
 from ..spectrum._ordinates import bin_edges, binned, ordinates
-from ..spectrum._whiten import level, without_ends
+from ..spectrum._whiten import HEARD, level, without_ends
 from ..values import _discrete
 from ..values._alone import Others
 from ..values._held_out import Gain, of_loud_times
@@ -35,8 +35,6 @@ _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 _LONGER_TAIL, _HARDLY_LONGER, _BRIEFLY, _FINE = 3.0, 1.25, 1.5, 1.5
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
-# So much of the modes is heard in full where samples were mended.
-_HEARD = 0.9
 # Of N at least such a part is there in quiet times.
 _LEFT = 0.05
 # A part of the variance that is left however quiet it is.
@@ -279,7 +277,7 @@ def _white(state: Investigation, notches: tuple[float, ...]) -> Float[np.ndarray
     # What comes in place of wrong samples behind a filter may be off by more than the little that
     # it leaves.
     mended = state.contamination is not None and not Others(state).silent
-    share = _HEARD if mended else 1.0
+    share = HEARD if mended else 1.0
     white = [
         without_ends(whitened_piece(state, piece, notches, share=share))
         for piece in state.long_pieces
