@@ -20,8 +20,8 @@ from ._telegraph import SURE, Levels, two_levels
 _ALIKE, _DEVIATIONS, _DRAWS = 0.35, 2.0, 400
 # Without its switches a time is as quiet as others if it is no louder, in power, by this.
 _LOUD = 1.5
-# Spikes are of switches if without these no more of their variance is left.
-_SPIKES_LEFT = 0.2
+# Spikes and steps are of switches if without these no more of their variance is left.
+_LEFT = 0.2
 
 
 def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> Levels:
@@ -74,14 +74,15 @@ def without_switches(
         for each, deviation in _step_heights(state, seed)
     ):
         return None
-    white = _less_levels(whole, levels, height, constant)
-    return white if quiet(whole, white, state.knocks) else None
+    steps = [course.draw()[:, 0] for course in state.courses if course.name == "step"]
+    white, stay = _less_levels(whole, levels, height, constant, steps)
+    return white if not stay and quiet(whole, white, state.knocks) else None
 
 
 def of_switches(spikes: Contamination, white: Float[np.ndarray, " samples"], seed: int) -> bool:
     """Whether spikes are gone from a record, made `white`, that lacks the switches."""
     left = contamination(white, seed, spikes.boxes)
-    return _power(left) < _SPIKES_LEFT * _power(spikes)
+    return _power(left) < _LEFT * _power(spikes)
 
 
 def _power(spikes: Contamination) -> float:
@@ -90,9 +91,13 @@ def _power(spikes: Contamination) -> float:
 
 
 def _less_levels(
-    whole: Investigation, levels: Levels, height: float, constant: float
-) -> Float[np.ndarray, " samples"]:
-    """The longest stretch less its two levels, and made white."""
+    whole: Investigation,
+    levels: Levels,
+    height: float,
+    constant: float,
+    steps: list[Float[np.ndarray, " samples"]],
+) -> tuple[Float[np.ndarray, " samples"], bool]:
+    """The longest stretch less its two levels, made white; and whether a step stays in it."""
     values = whole.values[slice(*whole.longest)]
     path = _levels_in_time(values, levels.high, round(constant))
     names = whole.model.kinds.names
@@ -102,7 +107,9 @@ def _less_levels(
     white = whitened(values, spectrum, expected)
     switches = whitened(path, spectrum, expected)
     # The switches themselves know their height better than the process does.
-    return white - (white @ switches) / (switches @ switches) * switches
+    left = white - (white @ switches) / (switches @ switches) * switches
+    shapes = [whitened(each[slice(*whole.longest)], spectrum, expected) for each in steps]
+    return left, any((left @ each) ** 2 > _LEFT * (white @ each) ** 2 for each in shapes)
 
 
 def quiet(

@@ -4,11 +4,12 @@ It looks at the whitened record, which is independent and standard normal when n
 """
 
 import itertools
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.fft import irfft, rfftfreq
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit
@@ -27,10 +28,14 @@ Law = Literal["normal", "student", "alike"]
 #: Laws of their sizes, the plainest first, and nats that another has to say more than that one.
 LAWS: tuple[Law, ...] = ("normal", "student", "alike")
 _PLAINER = 2.0
+# Those with one size, between which the data may not tell; and odds that are too small to show.
+_OF_ONE_SIZE: tuple[Law, ...] = ("normal", "alike")
+_UNLIKELY = 0.03
 # Spikes that are alike are so many times as large as the body is wide.
 _APART = 3.0
 # In the gain of a step as a part of the log-likelihood, and in its derivatives.
 _TO_THE_END = {"ftol": 1e-12, "gtol": 1e-3}
+_DRAWS = 2000
 # As many draws of a variance show how uncertain it is.
 _FEW_DRAWS = 200
 # How far the logarithm of a size is from that of the reach beyond which spikes are told, before any
@@ -56,8 +61,10 @@ class Contamination(NamedTuple):
     boxes: tuple[float, ...]
     #: Beyond this a sample is more likely a spike than not.
     threshold: float
-    #: Draws of (fraction, amplitude, sigma), shape (draws, 3).
+    #: Draws of (fraction, amplitude, sigma), shape (draws, 3): of each likely law some.
     draws: Float[np.ndarray, "draws three"]
+    #: Which of `LAWS` each is of.
+    drawn_by: Int[np.ndarray, " draws"]
     #: Twice the log-likelihood gained over one normal distribution.
     gain: float
     p_value: float
@@ -118,6 +125,7 @@ def contamination(
     far = [(tail.size / weights.sum(), np.median(tail) / middle)] if tail.size else []
     best: Any = None
     shape: tuple[Law, tuple[float, ...]] = (LAWS[0], ())
+    of_each: dict[tuple[Law, tuple[float, ...]], Any] = {}
     for body_of, law in itertools.product(bodies, LAWS):
         for fraction, spike in (*_SPIKES, *far):
             start = np.array([np.log(fraction), np.log(spike * middle), np.log(middle)])
@@ -128,13 +136,17 @@ def contamination(
             if law != LAWS[0] and height < (core if law == "student" else _APART * core):
                 # No spikes, but all of the values under another distribution.
                 continue
+            if found.fun < getattr(of_each.get((law, body_of)), "fun", np.inf):
+                of_each[law, body_of] = found
             # The plainest kind of spikes is kept unless it says much less.
             plainest = law != LAWS[0] and shape[0] == LAWS[0]
             if best is None or found.fun < best.fun - _PLAINER * plainest:
                 best, shape = found, (law, body_of)
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
-    draws = curvature_draws(lambda x: negative(x, *shape)[0], best.x, seed)
+    law, body_of = shape
+    rivals = {each: of_each[each, body_of] for each in LAWS if (each, body_of) in of_each}
+    draws, drawn_by = _of_likely_laws(lambda x, of: negative(x, of, body_of)[0], rivals, law, seed)
     found = np.array([_free(each) for each in draws])
     value = _free(best.x)
     grid = np.linspace(2, 12, 2001) * value[2]
@@ -142,7 +154,8 @@ def contamination(
     threshold = float(grid[np.argmax(spikes > usual)]) if np.any(spikes > usual) else np.inf
     # Fraction and size are free only where there are spikes.
     chance = float(chi2.sf(gain, 2))
-    return Contamination(*value, *shape, threshold, found, gain if sigma else 0.0, chance)
+    told = gain if sigma else 0.0
+    return Contamination(*value, *shape, threshold, found, drawn_by, told, chance)
 
 
 def _free(parameters: Float[np.ndarray, " three"]) -> tuple[float, float, float]:
@@ -278,13 +291,44 @@ def beyond(
         return float(((two[1] - np.log(reach)) / _LIKE_REACH) ** 2 / 2 - told)
 
     start = np.array([np.log(2 * sizes.size / samples), np.log(np.sqrt(np.mean(sizes**2)))])
-    usual, like = (minimize(negative, start, (law,), "Nelder-Mead") for law in ("normal", "alike"))
-    law: Law = "alike" if like.fun < usual.fun - _PLAINER else "normal"
-    best = (like if law == "alike" else usual).x
-    drawn = curvature_draws(lambda two: negative(two, law), best, seed)
+    each: dict[Law, Any] = {
+        law: minimize(negative, start, (law,), "Nelder-Mead") for law in _OF_ONE_SIZE
+    }
+    law = min(each, key=lambda law: each[law].fun + _cost(law))
+    best = each[law].x
+    drawn, drawn_by = _of_likely_laws(negative, each, law, seed)
     draws = np.column_stack([expit(drawn[:, 0]), np.exp(drawn[:, 1]), np.ones(len(drawn))])
     fraction, size = float(expit(best[0])), float(np.exp(best[1]))
-    return Contamination(fraction, size, 1.0, law, (), reach, draws, 0.0, 1.0)
+    return Contamination(fraction, size, 1.0, law, (), reach, draws, drawn_by, 0.0, 1.0)
+
+
+def _of_likely_laws(
+    negative: Callable[[Float[np.ndarray, " k"], Law], float],
+    fits: dict[Law, Any],
+    law: Law,
+    seed: int,
+) -> tuple[Float[np.ndarray, "draws k"], Int[np.ndarray, " draws"]]:
+    """Draws about the maxima of all laws that may be, and which of `LAWS` each is of.
+
+    Few spikes hardly tell whether they are the largest of many or all alike, which are other
+    numbers. That some are huge is told, and the size is another one then.
+    """
+    may_be = _OF_ONE_SIZE if law in _OF_ONE_SIZE else (law,)
+    worth = {each: -fits[each].fun - _cost(each) for each in may_be if each in fits}
+    odds = np.array([np.exp(worth.get(each, -np.inf) - max(worth.values())) for each in LAWS])
+    odds[odds < _UNLIKELY] = 0.0
+    counts = np.round(_DRAWS * odds / odds.sum()).astype(int)
+    drawn = [
+        curvature_draws(lambda x, of=of: negative(x, of), fits[of].x, seed)[:count]
+        for of, count in zip(LAWS, counts, strict=True)
+        if count
+    ]
+    return np.concatenate(drawn), np.repeat(np.arange(len(LAWS)), counts)
+
+
+def _cost(law: Law) -> float:
+    """Nats that it has to say more than the plainest."""
+    return 0.0 if law == LAWS[0] else _PLAINER
 
 
 def _outside(reach: float, size: float, law: Law) -> float:
@@ -317,9 +361,14 @@ def unseen(found: Contamination) -> float:
 
 def unseen_draws(found: Contamination, seed: int) -> Float[np.ndarray, " few"]:
     """Draws of the same."""
-    few = np.random.default_rng(seed).choice(found.draws, _FEW_DRAWS)
+    few = np.random.default_rng(seed).choice(len(found.draws), _FEW_DRAWS)
     return np.array(
-        [unseen(found._replace(fraction=f, amplitude=size)) for f, size, _ in few.tolist()]
+        [
+            unseen(found._replace(fraction=f, amplitude=size, law=LAWS[law]))
+            for (f, size, _), law in zip(
+                found.draws[few].tolist(), found.drawn_by[few].tolist(), strict=True
+            )
+        ]
     )
 
 
@@ -341,4 +390,4 @@ def curvature_draws(
             ) / (4 * step**2)
     values, vectors = np.linalg.eigh((hessian + hessian.T) / 2)
     scale = vectors / np.sqrt(np.maximum(values, 1e-2))
-    return at + np.random.default_rng(seed).standard_normal((2000, size)) @ scale.T
+    return at + np.random.default_rng(seed).standard_normal((_DRAWS, size)) @ scale.T
