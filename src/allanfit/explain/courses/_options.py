@@ -35,8 +35,7 @@ def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option
         gain, log_p = evidence(state, course)
         if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
             # Steps compete that are at their places already.
-            course, _ = at_its_edges(state, course)
-            gain = max(gain, evidence(state, course)[0])
+            gain = max(gain, evidence(state, at_its_edges(state, course)[0])[0])
 
         def take(
             rivals: dict[str, float],

@@ -19,6 +19,8 @@ from ._sums import Summing
 
 # Periods in the record from one place of the scan for slow oscillations to the next.
 _BETWEEN = 0.1
+# Windows in which loudness is told by which chance may move an edge of loud times.
+_WINDOWS = 4
 # Several warm-ups are fitted together from the best of so many constants, the shortest such a part
 # of the record, with steps of such a logarithm and so many tries.
 _CONSTANTS, _SHORTEST, _SIMPLEX, _TRIES = 7, 200.0, 0.3, 120
@@ -102,7 +104,7 @@ def at_its_edges(state: Investigation, course: Course) -> tuple[Course, Modulati
         inside = slice(*piece)
         loud[inside] = sharpened(
             loud[inside],
-            changing.window,
+            _WINDOWS * changing.window,
             state.values[inside],
             state.spectrum,
             variance,
