@@ -1,10 +1,12 @@
 """Structures: densities against simulated records, and whether starts reach the best."""
 
+import itertools
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.fft import dct
-from scipy.signal import butter, freqz, lfilter
+from scipy.signal import butter, fftconvolve, freqz, lfilter
 
 from allanfit.explain.spectrum._climb import climb, rescale
 from allanfit.explain.spectrum._density import expected_density, log_slopes, parts
@@ -119,6 +121,36 @@ def test_added_noise_is_that_of_the_catalogue(kind, values, first, second):
     mean = np.trapezoid(density, axis=1) / 400
     seen = mean > 0.05 * mean.max()
     np.testing.assert_allclose(found[seen], mean[seen], rtol=0.05)
+
+
+@pytest.mark.parametrize(("term", "order"), [("B", 0.5), ("K", 1.0)])
+def test_slow_noise_that_is_held(term, order):
+    """Periodograms of 200 records of fractional differences, held; within 3 %.
+
+    The ratio to what is not held: at low frequency it is one, whatever the mean of repeats.
+    """
+    repeat = 2.0
+    rng = np.random.default_rng(6)
+    length, freed, held = 4096, np.zeros(2049), np.zeros(2049)
+    steps = np.arange(1, 2 * length)
+    response = np.concatenate([[1.0], np.cumprod((steps - 1 + order) / steps)])
+    for _ in range(200):
+        x = fftconvolve(rng.standard_normal(4 * length), response)[2 * length : 3 * length]
+        fresh = np.where(rng.random(length) < 1 / repeat, np.arange(length), 0)
+        for total, each in ((freed, x), (held, x[np.maximum.accumulate(fresh)])):
+            total += np.abs(np.fft.rfft((each - each.mean()) * np.hanning(length))) ** 2
+    data = data_of(rng.standard_normal(length))
+    frequency, used = data.bins.frequency, data.bins.used
+    place = "QNBK".index(term)
+    expected = held_rows(data._replace(repeat=repeat))[place] / held_rows(data)[place]
+    edges = np.geomspace(0.004, 0.4, 9)
+    for low, high in itertools.pairwise(edges):
+        inside = used & (frequency > low) & (frequency < high)
+        at = slice(round(low * length), round(high * length))
+        found = held[at].sum() / freed[at].sum()
+        weight = held_rows(data)[place][inside]
+        mean = np.average(expected[inside], weights=weight * np.asarray(data.bins.shape)[inside])
+        assert mean == pytest.approx(found, rel=0.03)
 
 
 def test_quantized_angle_that_is_held():

@@ -250,13 +250,24 @@ def end_leakage(frequency: Any, width: Any) -> Any:
 
 
 def held_rows(data: Data) -> Float[np.ndarray, "terms bins"]:
-    """What unit powers of Q, N, B, K put into each bin when samples are held, and nothing else."""
+    """What unit powers of Q, N, B, K put into each bin when samples are held, and nothing else.
+
+    With the gain |H|^2 of the mean delay, each sample being fresh with chance 1 - p, samples of a
+    density S that are held at random have |H|^2 S and, as `holding` goes with frequency, the mean
+    of (1 - |H|^2) S. Here S is 1/sin(pi f) of B and 1/(2 sin^2(pi f)) of K, at an instant.
+    """
     plain = np.ascontiguousarray(np.asarray(data.bins.expected).T)
     if data.repeat == 1:
         return plain
-    held, white = holding(data), plain[1]
-    # What is slow is held as well, and white noise is folded on top.
-    return np.stack([white * _held_angle(data), white * held, *(plain[2:] * held / data.repeat)])
+    held, white, p = holding(data), plain[1], 1 - 1 / data.repeat
+    # A value is late by a random time. What is slow is late as through a filter, whose gain is one
+    # at zero frequency; and what changes meanwhile comes and goes as fresh values do.
+    late = held * (1 - p) / (1 + p)
+    changed = np.array(
+        [8 / np.pi * np.sqrt(p) / (1 + p) * np.arctanh(np.sqrt(p)), 2 * p / (1 - p**2)]
+    )
+    slow = plain[2:] * late + changed[:, None] * held
+    return np.stack([white * _held_angle(data), white * held, *slow])
 
 
 def foreign(data: Data) -> float | Float[np.ndarray, " bins"]:
