@@ -22,6 +22,14 @@ def test_multiples_beyond_half_the_rate_are_known_where_they_fold_to():
     assert family.folded == (8.0, 15.0, 31.0)
 
 
+def test_what_need_not_fold_does_not():
+    """At 500 Hz the third multiple of 150 Hz would be seen at 50 Hz, as mains is."""
+    for lines in ([50.0, 150.0], [150.0, 50.0]):
+        (family,) = families([Line(f, 1e-4) for f in lines], 250.0)
+        assert family.fundamental == pytest.approx(50)
+        assert family.folded == ()
+
+
 def test_a_fundamental_that_is_not_seen_is_found():
     (family,) = families([Line(8.2, 1e-4), Line(12.3, 1e-4)], 50.0)
     assert family.fundamental == pytest.approx(4.1, abs=1e-3)

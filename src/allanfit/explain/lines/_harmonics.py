@@ -39,6 +39,11 @@ class _Guess(NamedTuple):
     multiples: dict[int, int]
     chance: float
 
+    def folded(self, nyquist_hz: float) -> list[int]:
+        """The places of lines that are beyond half the sampling rate."""
+        beyond = nyquist_hz / self.fundamental
+        return [place for place, multiple in self.multiples.items() if multiple > beyond]
+
 
 def families(lines: Sequence[Line], nyquist_hz: float) -> list[Family]:
     """Families of two lines and more that chance does not explain; a line is in one at most."""
@@ -51,12 +56,20 @@ def families(lines: Sequence[Line], nyquist_hz: float) -> list[Family]:
         likely = [each for each in guesses if each.chance < _BY_CHANCE]
         if not likely:
             break
-        # The most lines, and of those the lowest multiples.
-        best = min(likely, key=lambda each: (-len(each.multiples), sum(each.multiples.values())))
-        own = {left[place].frequency: multiple for place, multiple in best.multiples.items()}
-        folded = [f for f, multiple in own.items() if multiple * best.fundamental > nyquist_hz]
-        fundamental = _together(left, best, nyquist_hz)
-        found.append(Family(fundamental, tuple(sorted(own)), tuple(sorted(folded))))
+        # The most lines, and of those the lowest multiples, and of those the fewest that fold.
+        best = min(
+            likely,
+            key=lambda each: (
+                -len(each.multiples),
+                sum(each.multiples.values()),
+                len(each.folded(nyquist_hz)),
+            ),
+        )
+        own, folded = (
+            tuple(sorted(left[place].frequency for place in places))
+            for places in (best.multiples, best.folded(nyquist_hz))
+        )
+        found.append(Family(_together(left, best, nyquist_hz), own, folded))
         left = [line for place, line in enumerate(left) if place not in best.multiples]
     return found
 
