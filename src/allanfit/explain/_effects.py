@@ -89,7 +89,11 @@ def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
     values = {"height": 0.0, "frequency": middle, "width": width}
     band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
     draws = {name: np.full(2, value) for name, value in values.items()}
-    note = unknown.why + (f", every {unknown.period * dt:.4g} s" if unknown.period else "")
+    note = unknown.why
+    if unknown.period:
+        note += f", every {unknown.period * dt:.4g} s"
+    elif not unknown.bandless:
+        note += ", from {:.3g} to {:.3g} Hz".format(*band)
     note += _mostly(state, unknown.times, dt) + (f"; {unknown.like}" if unknown.like else "")
     return Effect("bump", LINE, {}, draws, {}, band, note, unknown.in_time)
 

@@ -172,9 +172,12 @@ class ChannelExplanation:
                 "band hold, the shape of its peak does not, and the p-value is of all beside it."
             )
         if self.verdict == "unexplained":
+            bumps, unknown = [e for e in self.effects if e.name == "bump"], self.state.unknown
+            nowhere = bool(bumps) and len(bumps) == sum(each.bandless for each in unknown)
+            moves = "it changes" if nowhere else "the band moves"
             said.append(
-                "Record again with another rate, filter setting or mounting, and see whether the "
-                "band moves: that tells electronics from mechanics."
+                "Record again with another rate, filter setting or mounting, and see whether "
+                f"{moves}: that tells electronics from mechanics."
             )
         return tuple(dict.fromkeys(said))
 

@@ -34,6 +34,8 @@ _FOUND_AS = {
 }
 # So many intervals are told each.
 _MOST_TIMES = 3
+# Of what is more in one part of a band so much is less in another, for its mean to say nothing.
+_MIXED = 0.25
 _IN_TIME = ("step", "warm_up", "disturbance", "variance_modulation")
 
 
@@ -143,13 +145,26 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
     )
     expected = _course.ordinate_variance(part, state.first, state.first_data)
     ratio = float(np.mean(part.amplitude**2 / expected))
-    even = abs(ratio - 1) < 0.02
+    mixed = abs(ratio - 1) < 0.02 or _mixed(state, part.frequency[0], part.frequency[-1])
     power = (
         "more power in one part and less in another than"
-        if even
+        if mixed
         else f"{ratio:.3g} times the power that"
     )
     return _of_band(low, high, ratio, chance, f"{power} the five terms expect")
+
+
+def _mixed(state: Investigation, low: float, high: float) -> bool:
+    """Whether a band [cycles per sample] has more power in one part and less in another."""
+    bins = state.data.bins
+    inside = bins.used & (bins.frequency >= low) & (bins.frequency <= high)
+    after = _model.mean_density(state.model, state.data)
+    before = _course.ordinate_variance(
+        state.spectrum._replace(frequency=bins.frequency[inside]), state.first, state.first_data
+    )
+    change = np.asarray(bins.shape)[inside] * (after[inside] / before - 1)
+    more, less = np.maximum(change, 0).sum(), np.maximum(-change, 0).sum()
+    return bool(min(more, less) > _MIXED * max(more, less))
 
 
 def _of_band(low: float, high: float, ratio: float, chance: float, what: str) -> dict[str, Any]:

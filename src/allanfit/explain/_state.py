@@ -64,6 +64,8 @@ class Unknown(NamedTuple):
     period: float = 0.0
     #: Whether it shows in time alone.
     in_time: bool = False
+    #: Whether it belongs to no band.
+    bandless: bool = False
     #: What makes such things.
     like: str = ""
     #: When, as `[start, stop)` in values, if not always.

@@ -268,7 +268,7 @@ def _skewed(state: Investigation) -> None:
         state.gains["bump"] = state.gains["outliers"]
     why = "the noise leans to one side"
     like = "rectified noise or a curved characteristic does so"
-    state.unknown.append(Unknown(_WHITE, 0.5, why, in_time=True, like=like))
+    state.unknown.append(Unknown(_WHITE, 0.5, why, in_time=True, bandless=True, like=like))
 
 
 def _broad(

@@ -8,7 +8,7 @@ from ..coefficient_units import field_units
 from ..formatting import Reading, duration, percent, printable, reading, significant
 from ..physics import EFFECTS, Bump
 from ._explain_verdict import probability
-from ._explain_words import capitalised, words
+from ._explain_words import capitalised, idle_parameters, words
 from ._rows import Row, coefficient_rows
 
 _LISTED = 6  # times or intervals that are told one by one
@@ -134,17 +134,23 @@ def _with_origin(effect: Mapping[str, Any]) -> str:
     return effect["sentence"] + ("" if known is Bump else f" Usual cause: {known.origin}.")
 
 
+def _heading(effect: Mapping[str, Any]) -> str:
+    if effect["name"] == "bump" and set(idle_parameters(effect)) == set(effect["parameters"]):
+        return "Something that has no name"
+    return capitalised(words(effect["name"]))
+
+
 def effect_rows(channel: Mapping[str, Any]) -> list[Effect]:
     """In the order of the document."""
     return [
         Effect(
-            name=capitalised(words(effect["name"])),
+            name=_heading(effect),
             probability=percent(effect["probability"]),
             sentence=_with_origin(effect),
             quantities=tuple(
                 Quantity(name.replace("_", " "), _readings(entry, channel))
                 for name, entry in effect["parameters"].items()
-                if entry
+                if entry and name not in idle_parameters(effect)
             ),
             alternatives=tuple(
                 Alternative(

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..formatting import Number, beside_error, p_value, significant, with_error
-from ._explain_words import listed, words
+from ._explain_words import idle_parameters, listed, words
 
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", and "perhaps"
@@ -33,7 +33,10 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
         return "The five-term model agrees with the recording: nothing left out is seen in it."
     if not effects:
         start = "The recording differs from the five-term model, and no effect of the catalogue"
-        if not channel["improvement"]:
+        shown = (
+            set(each["parameters"]) - set(idle_parameters(each)) for each in channel["effects"]
+        )
+        if not channel["improvement"] or not any(shown):
             return f"{start} explains how."
         return f"{start} explains how; a smooth bump stands for it in the better model."
     least = min(effect["probability"] for effect in effects)

@@ -1,7 +1,8 @@
-"""Effects in words: what stands after "the five-term model leaves out"."""
+"""Effects in words: what stands after "the five-term model leaves out", and what is not told."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 # An effect that is not here goes by its own name, so that a new one needs no entry.
 _WORDS = {
@@ -54,3 +55,15 @@ def listed(phrases: Sequence[str]) -> str:
 def capitalised(phrase: str) -> str:
     """A phrase as a heading; `str.capitalize` would make small letters of the names in it."""
     return phrase[:1].upper() + phrase[1:]
+
+
+def idle_parameters(effect: Mapping[str, Any]) -> tuple[str, ...]:
+    """Those that say nothing to a reader beside the others.
+
+    A bump of no height is described in words alone, unless something is missing toward zero; and of
+    an output that is clipped on one side, or unevenly, `low` and `high` say where.
+    """
+    shown = effect["parameters"]
+    if effect["name"] == "bump" and shown["height"]["value"] == 0:
+        return ("height",) if "high_pass" in shown else tuple(shown)
+    return ("limit",) if {"low", "high"} & set(shown) else ()
