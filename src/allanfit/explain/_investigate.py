@@ -40,7 +40,7 @@ from .spectrum import _model, _search
 from .spectrum._leakage import take_bump
 from .spectrum._narrow import narrow_noises
 from .strength._knocks import moved_while_loud
-from .strength._lasting import about_spread, loudness
+from .strength._lasting import about_spread, loudness, still_beside_lines
 from .values._clock import fresh_values
 from .values._format import stuck
 from .values._held_out import of_events
@@ -123,6 +123,12 @@ def investigate(
         whole = _joined_again(state, power)
         state = whole if take_switches(whole, made, state.knocks, seed) else state
     _take_all(state, drivers)
+    if state.knocks:
+        whole = _joined_again(state, power)
+        if still_beside_lines(whole):
+            state = whole
+            about_spread(state, seed, may_cut=False)
+            _take_all(state, drivers)
     if moved_while_loud(state) or rang_once(state):
         state = _without_knocks(state, power, seed)
         _take_all(state, drivers)
@@ -204,7 +210,8 @@ def _joined_again(state: Investigation, power: Float[np.ndarray, " terms"]) -> I
     whole.gains.pop("disturbance", None)
     names = state.model.kinds.names
     whole.findings += [each for each in state.findings if each.name in names]
-    whole.peaks, whole.model = state.peaks, state.model
+    whole.peaks = state.peaks
+    whole.model = _model.of_samples(state.model, state.data, whole.data)
     finer_edges(whole)
     return whole
 

@@ -6,7 +6,7 @@ name is right only if what else it says is so too.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from ._chance import INSIDE, log_chance, score
 from ._intervals import runs
@@ -22,6 +22,7 @@ from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
 from .spectrum._structure import EACH, TERMS, UNNAMED
+from .spectrum._whiten import within, without_bands
 from .strength._changing import (
     TILE,
     moved_along,
@@ -94,7 +95,7 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     powers = tiles(white)
     at = np.arange(powers.shape[1]) / TILE
     density = np.interp(at, state.left.frequency, state.variance)
-    usable = ~_within(at, _bands(state), 1 / TILE)
+    usable = ~within(at, _bands(state), 1 / TILE)
     found = reshaped(parts(powers), density, usable)
     if state.modulation is not None:
         loud = shares(state.flags(state.modulation.loud)[slice(*state.longest)])
@@ -275,9 +276,7 @@ def _broad(
     state: Investigation, white: Float[np.ndarray, " samples"]
 ) -> Float[np.ndarray, " samples"]:
     """The white record without the bands of lines and resonances."""
-    spectrum = np.fft.rfft(white)
-    spectrum[_within(np.fft.rfftfreq(white.size), _bands(state))] = 0.0
-    return np.fft.irfft(spectrum, white.size)
+    return without_bands(white, _bands(state))
 
 
 def _bands(state: Investigation) -> list[tuple[float, float]]:
@@ -289,15 +288,3 @@ def _bands(state: Investigation) -> list[tuple[float, float]]:
         if one.width < one.middle / 8 or one.place in state.disowned_noises
     ]
     return narrow + [(peak.frequency, 4 * peak.half_width) for peak in state.peaks]
-
-
-def _within(
-    frequency: Float[np.ndarray, " frequencies"],
-    bands: list[tuple[float, float]],
-    beside: float = 0.0,
-) -> Bool[np.ndarray, " frequencies"]:
-    """Which are in one of the bands, or as near to one as `beside`."""
-    inside = np.zeros(frequency.size, bool)
-    for middle, half_width in bands:
-        inside |= np.abs(frequency - middle) < half_width + beside
-    return inside

@@ -6,7 +6,7 @@ import numpy as np
 
 from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
 from ._density import TOGETHER, expected_density
-from ._structure import EACH, TERMS, Data, Kinds, shape_of
+from ._structure import EACH, TERMS, Data, Kinds, bounds, free, shape_of
 
 # Less than this in a step, and another start of the same name is ahead or soon will be; so it is
 # with such a part of what a poor model leaves beyond one a bin.
@@ -82,6 +82,20 @@ def without(model: Model, place: int) -> Model:
     place -= kinds.shaping is not None
     added = kinds.added[:place] + kinds.added[place + 1 :]
     return Model(kinds._replace(added=added), kept, model.deviance)
+
+
+def of_samples(model: Model, before: Data, after: Data) -> Model:
+    """The same structure for a record of another length, which bounds its shapes elsewhere."""
+    theta = np.array(model.theta)
+    names = (model.kinds.shaping,) * (model.kinds.shaping is not None) + model.kinds.added
+    for place, name in enumerate(names):
+        begin = TERMS + EACH * place
+        shape = shape_of(name, theta[begin : begin + EACH], before.samples)
+        limits = bounds(name, after.samples)
+        theta[begin + 1 : begin + EACH] = [
+            free(float(each), *limit) for each, limit in zip(shape, limits, strict=True)
+        ]
+    return Model(model.kinds, theta, model.deviance)
 
 
 def mean_density(model: Model, data: Data) -> np.ndarray:

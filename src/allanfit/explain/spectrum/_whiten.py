@@ -6,7 +6,7 @@ narrow or does not last.
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.fft import dct, idct
 
 from ._ordinates import Ordinates
@@ -124,3 +124,24 @@ def without_ends(white: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " sa
     white = white.copy()
     white[:END], white[-END:] = white[END : 2 * END], white[-2 * END : -END]
     return white
+
+
+def without_bands(
+    white: Float[np.ndarray, " samples"], bands: list[tuple[float, float]]
+) -> Float[np.ndarray, " samples"]:
+    """A white record with nothing in some bands, given by middles and half-widths."""
+    spectrum = np.fft.rfft(white)
+    spectrum[within(np.fft.rfftfreq(white.size), bands)] = 0.0
+    return np.fft.irfft(spectrum, white.size)
+
+
+def within(
+    frequency: Float[np.ndarray, " frequencies"],
+    bands: list[tuple[float, float]],
+    beside: float = 0.0,
+) -> Bool[np.ndarray, " frequencies"]:
+    """Which are in one of the bands, or as near to one as `beside`."""
+    inside = np.zeros(frequency.size, bool)
+    for middle, half_width in bands:
+        inside |= np.abs(frequency - middle) < half_width + beside
+    return inside

@@ -8,8 +8,9 @@ from .._refit import rebin, refit
 from .._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ..lines._lines import scan
 from ..spectrum import _model
+from ..spectrum._narrow import narrow_noises
 from ..spectrum._ordinates import bin_edges, binned, ordinates
-from ..spectrum._whiten import HEARD, level, without_ends
+from ..spectrum._whiten import HEARD, level, without_bands, without_ends
 from ..values import _discrete
 from ..values._alone import Others
 from ..values._held_out import Gain, of_loud_times
@@ -33,6 +34,8 @@ _MOST_DOUBLINGS, _CLEARER = 8, 1.5
 # records of white noise held up to seven samples long, or rounded to five times its deviation. Held
 # for less long on average, or rounded less coarsely, hardly, or not at all.
 _LONGER_TAIL, _HARDLY_LONGER, _BRIEFLY, _FINE = 3.0, 1.25, 1.5, 1.5
+# Standard deviations of its frequency within which a line that wanders stays.
+_REACH = 5.0
 # A quiet time must be as long for its own fit.
 _SHORTEST_QUIET = 1024
 # Of N at least such a part is there in quiet times.
@@ -140,6 +143,24 @@ def _knocked(
     if not unlikely or hidden or brief.loud.mean() >= BRIEF_SHARE:
         return None
     return as_modulation(white, brief._replace(loud=apart))
+
+
+def still_beside_lines(state: Investigation) -> bool:
+    """Whether nothing is brief in a record with lines that wander, beside their bands.
+
+    Such a line is at one frequency at a time. Where it seldom is its mean spectrum is low, and it
+    stands out of that when it comes there.
+    """
+    lines = narrow_noises(state.model, float(state.data.samples))
+    bands = [(each.middle, _REACH * each.width) for each in lines if each.name == "drifting_line"]
+    if not bands or _at_the_ends(state) is not None:
+        return False
+    beside = []
+    for piece in state.long_pieces:
+        white = whitened_piece(state, piece, model_only=True)
+        beside.append(without_bands(white, bands))
+    brief = bursts(np.clip(np.concatenate(beside), -PULLED_IN, PULLED_IN), _tail(state))
+    return bool(brief.log_p >= np.log(state.alarm))
 
 
 def _tail(state: Investigation) -> float:
