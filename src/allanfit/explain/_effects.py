@@ -92,7 +92,7 @@ def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
     note = unknown.why
     if unknown.period:
         note += f", every {unknown.period * dt:.4g} s"
-    elif not unknown.bandless:
+    elif unknown.in_time and not unknown.bandless:
         note += ", from {:.3g} to {:.3g} Hz".format(*band)
     note += _mostly(state, unknown.times, dt) + (f"; {unknown.like}" if unknown.like else "")
     return Effect("bump", LINE, {}, draws, {}, band, note, unknown.in_time)

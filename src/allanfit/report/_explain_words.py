@@ -64,6 +64,6 @@ def idle_parameters(effect: Mapping[str, Any]) -> tuple[str, ...]:
     an output that is clipped on one side, or unevenly, `low` and `high` say where.
     """
     shown = effect["parameters"]
-    if effect["name"] == "bump" and shown["height"]["value"] == 0:
+    if effect["name"] == "bump" and shown.get("height", {}).get("value") == 0:
         return ("height",) if "high_pass" in shown else tuple(shown)
     return ("limit",) if {"low", "high"} & set(shown) else ()
