@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from ..physics import LowPass
 from ._effect import Effect
@@ -176,11 +177,30 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 left = left_of(name, first, state.data.averaging)
                 size, second = np.sqrt(2 * left) * size, 1 / (2 * second)
                 others.pop("drifting_line", None)
+            first, second = _of_all_times(first, second, state.lasting.get(place, 0.0), seed)
             middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt
             values = {"amplitude": size, "frequency": first / dt, "width": first * second / dt}
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band, _when(state, dt)))
     return found
+
+
+def _of_all_times(
+    mean: Float[np.ndarray, " draws"],
+    width: Float[np.ndarray, " draws"],
+    lasts: float,
+    seed: int,
+) -> tuple[Float[np.ndarray, " draws"], Float[np.ndarray, " draws"]]:
+    """Draws of a frequency's mean and relative width as they are in the long run.
+
+    A record in which the frequency seldom changes shows where it was, and tells as much of where it
+    will be as so many independent values do. Of a process that forgets as exp(-t/T) the mean over a
+    time L has the variance 2 T/L of one value, and the mean square that of T/L values.
+    """
+    rng = np.random.default_rng(seed)
+    of_mean, of_width = rng.standard_normal((2, mean.size))
+    wider = width * np.exp(np.sqrt(lasts / 2) * of_width)
+    return mean * (1 + width * np.sqrt(2 * lasts) * of_mean), wider
 
 
 def _when(state: Investigation, dt: float) -> str:

@@ -5,7 +5,7 @@ from scipy.signal import lfilter
 from scipy.special import i0, ive
 
 from allanfit.explain._investigate import investigate
-from allanfit.explain.lines._tracked import narrow_band, normal_likelihood, tracked_likelihood
+from allanfit.explain.lines._tracked import narrow_band, normal_likelihood, tracked
 
 # Samples of a band; a line's width is a seventh of it.
 BAND = 700
@@ -22,9 +22,12 @@ def excess_of(power: float) -> np.ndarray:
     return power * np.exp(-(about**2) / 2) / np.sqrt(2 * np.pi) / WIDTH
 
 
+def likelihood(band: np.ndarray, middle: float, width: float, power: float) -> float:
+    return tracked(band, middle, width, power).log_likelihood
+
+
 def gain(band: np.ndarray, power: float) -> float:
-    tracked = tracked_likelihood(band, MIDDLE, WIDTH, power)
-    return tracked - normal_likelihood(band, excess_of(power))
+    return likelihood(band, MIDDLE, WIDTH, power) - normal_likelihood(band, excess_of(power))
 
 
 def test_a_frequency_that_stays_is_a_coherent_sum():
@@ -33,7 +36,7 @@ def test_a_frequency_that_stays_is_a_coherent_sum():
     frequency, power = 12 / 32, 0.3
     total = np.abs(np.sum(z * np.exp(-2j * np.pi * frequency * np.arange(z.size))))
     expected = np.log(i0(2 * np.sqrt(power) * total)) - z.size * power
-    np.testing.assert_allclose(tracked_likelihood(z, frequency, 1e-6, power), expected, rtol=1e-7)
+    np.testing.assert_allclose(likelihood(z, frequency, 1e-6, power), expected, rtol=1e-7)
 
 
 def test_a_line_may_be_a_thousand_times_as_strong_as_the_noise():
@@ -43,13 +46,13 @@ def test_a_line_may_be_a_thousand_times_as_strong_as_the_noise():
     z += np.sqrt(power) * np.exp(2j * np.pi * frequency * np.arange(z.size))
     total = 2 * np.sqrt(power) * np.abs(np.sum(z * np.exp(-2j * np.pi * frequency * np.arange(40))))
     expected = total + np.log(ive(0, total)) - z.size * power
-    np.testing.assert_allclose(tracked_likelihood(z, frequency, 1e-6, power), expected, rtol=1e-4)
+    np.testing.assert_allclose(likelihood(z, frequency, 1e-6, power), expected, rtol=1e-4)
 
 
 def test_on_average_white_noise_is_no_likelier_to_be_a_line():
     """The mean of a likelihood ratio is one under the other hypothesis; false alarm .003."""
     rng = np.random.default_rng(2)
-    ratios = [np.exp(tracked_likelihood(white(rng, 60), 0.5, 0.1, 0.02)) for _ in range(300)]
+    ratios = [np.exp(likelihood(white(rng, 60), 0.5, 0.1, 0.02)) for _ in range(300)]
     assert abs(np.mean(ratios) - 1) < 3 * np.std(ratios) / np.sqrt(300)
 
 

@@ -13,7 +13,7 @@ from ..spectrum._model import Model
 from ..spectrum._narrow import Narrow, alone, density_of, narrow_groups, narrow_noises, resolve
 from ..spectrum._structure import EACH, NARROW, bounds, free
 from ._one_phase import OnePhase, one_phase
-from ._tracked import normal_likelihood, tracked_likelihood
+from ._tracked import normal_likelihood, tracked
 
 # Standard deviations of a line's frequency to either side that its band takes in.
 _REACH = 3.5
@@ -53,9 +53,9 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     if finding is None:
         return 0.0
     fitted = {name: _as(state, one, name) for name in NARROW}
-    tracked = _tracked(state, white, one, fitted[_LINE])
+    gained, lasts = _followed(state, white, one, fitted[_LINE])
     # As twice the log of the odds, which scores are.
-    gain = fitted[_RESONANCE].deviance - fitted[_LINE].deviance + 2 * tracked
+    gain = fitted[_RESONANCE].deviance - fitted[_LINE].deviance + 2 * gained
     gain += _model.rarity(fitted[_LINE], state.data, one.place)
     gain -= _model.rarity(fitted[_RESONANCE], state.data, one.place)
     best, other = (_LINE, _RESONANCE) if gain > 0 else (_RESONANCE, _LINE)
@@ -63,7 +63,10 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     finding.rivals |= {best: top, other: top - abs(gain)}
     finding.name = best
     state.model = fitted[best]
-    return tracked if best == _LINE else 0.0
+    if best == _RESONANCE:
+        return 0.0
+    state.lasting[one.place] = lasts
+    return gained
 
 
 def in_one_phase(
@@ -111,10 +114,13 @@ def _as(state: Investigation, one: Narrow, name: str) -> Model:
     return min(_model.best(starts, state.data), key=lambda model: model.deviance)
 
 
-def _tracked(
+def _followed(
     state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow, line: Model
-) -> float:
-    """What a line gains when it is tracked, over normal noise of its spectrum."""
+) -> tuple[float, float]:
+    """What a line gains when it is tracked, over normal noise of its spectrum.
+
+    Second, for what part of the stretch its frequency lasts.
+    """
     samples = float(state.data.samples)
     (fitted,) = (each for each in narrow_noises(line, samples) if each.place == one.place)
     middle, width = fitted.middle, fitted.width
@@ -125,4 +131,5 @@ def _tracked(
     normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
     place = (middle - frequency[0]) * white.size / frequency.size
     spread = width * white.size / frequency.size
-    return tracked_likelihood(band, place, spread, float(np.mean(excess))) - normal
+    line_there = tracked(band, place, spread, float(np.mean(excess)))
+    return line_there.log_likelihood - normal, line_there.memory / frequency.size

@@ -7,6 +7,8 @@ Ornstein-Uhlenbeck process does, and phase goes on by it (forward algorithm: Rab
 IEEE 77:257).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Complex, Float
 from scipy.special import logsumexp
@@ -47,12 +49,20 @@ def normal_likelihood(band: Baseband, excess: Float[np.ndarray, " band"]) -> flo
     return float(np.sum(power * excess / (1 + excess) - np.log1p(excess)))
 
 
-def tracked_likelihood(band: Baseband, middle: float, width: float, power: float) -> float:
-    """Log-likelihood of a line that wanders in the band, over that of white noise alone.
+class Tracked(NamedTuple):
+    """A line that wanders in a band."""
+
+    #: Log-likelihood over that of white noise alone, the mean over all memories.
+    log_likelihood: float
+    #: For how long its frequency lasts [samples of the band]: the mean, by how likely each is.
+    memory: float
+
+
+def tracked(band: Baseband, middle: float, width: float, power: float) -> Tracked:
+    """How likely a line that wanders made the band.
 
     `middle` and `width` are mean and standard deviation of its frequency as parts of the band, and
-    `power` is its squared amplitude where white noise has a mean square of one. The mean over all
-    times for which its frequency may last.
+    `power` is its squared amplitude where white noise has a mean square of one.
     """
     memories = [each for each in _MEMORIES if each < band.size] or [_MEMORIES[0]]
     frequency, step = np.arange(_STEPS) / _STEPS, np.arange(_STEPS)
@@ -77,7 +87,10 @@ def tracked_likelihood(band: Baseband, middle: float, width: float, power: float
         total = np.maximum(states.sum(axis=(1, 2)), _LEAST)
         states /= total[:, None, None]
         found += np.log(total) + told.max()
-    return float(logsumexp(found) - np.log(len(memories)))
+    total = logsumexp(found)
+    return Tracked(
+        float(total - np.log(len(memories))), float(np.exp(found - total) @ np.array(memories))
+    )
 
 
 def _moves(middle: float, width: float, memory: float) -> Float[np.ndarray, "to come_from"]:
