@@ -15,6 +15,7 @@ from .courses._jumps import jumps
 from .courses._shapes import draw_courses
 from .courses._switches import levels_of
 from .lines._parts import merged
+from .lines._tracked import Followed
 from .spectrum._posterior import Draws
 from .spectrum._structure import (
     DROOPING,
@@ -177,30 +178,44 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 left = left_of(name, first, state.data.averaging)
                 size, second = np.sqrt(2 * left) * size, 1 / (2 * second)
                 others.pop("drifting_line", None)
-            first, second = _of_all_times(first, second, state.lasting.get(place, 0.0), seed)
-            middle, width = float(np.median(first)) / dt, float(np.median(first * second)) / dt
-            values = {"amplitude": size, "frequency": first / dt, "width": first * second / dt}
+            drawn = size, first, first * second
+            if place in state.followed:
+                drawn = _as_followed(*drawn, state.followed[place], seed)
+            size, first, spread = drawn
+            middle, width = float(np.median(first)) / dt, float(np.median(spread)) / dt
+            values = {"amplitude": size, "frequency": first / dt, "width": spread / dt}
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band, _when(state, dt)))
     return found
 
 
-def _of_all_times(
+def _as_followed(
+    size: Float[np.ndarray, " draws"],
     mean: Float[np.ndarray, " draws"],
     width: Float[np.ndarray, " draws"],
-    lasts: float,
+    followed: Followed,
     seed: int,
-) -> tuple[Float[np.ndarray, " draws"], Float[np.ndarray, " draws"]]:
-    """Draws of a frequency's mean and relative width as they are in the long run.
+) -> tuple[Float[np.ndarray, " draws"], ...]:
+    """Draws of a line's amplitude, mean frequency and width, as it wanders in the long run.
 
-    A record in which the frequency seldom changes shows where it was, and tells as much of where it
-    will be as so many independent values do. Of a process that forgets as exp(-t/T) the mean over a
-    time L has the variance 2 T/L of one value, and the mean square that of T/L values.
+    By its moments, where these know better than a fit of its peak. A record in which the frequency
+    seldom changes tells as much of where it will be as so many independent values do: of a process
+    that forgets as exp(-t/T) the mean over a time L has the variance 2 T/L of one value, and the
+    mean square that of L/T values.
     """
     rng = np.random.default_rng(seed)
-    of_mean, of_width = rng.standard_normal((2, mean.size))
-    wider = width * np.exp(np.sqrt(lasts / 2) * of_width)
-    return mean * (1 + width * np.sqrt(2 * lasts) * of_mean), wider
+    noise, lasts = rng.standard_normal((5, mean.size)), followed.lasts
+    if followed.moments is not None:
+        power, middle, spread = followed.moments
+        if power[1] < 2 * np.std(np.log(size)) * power[0]:
+            measured = np.maximum(power[0] + power[1] * noise[0], 0.0)
+            size = np.median(size) * np.sqrt(measured)
+        if middle[1] < np.std(mean):
+            mean = middle[0] + middle[1] * noise[1]
+        if spread[1] < np.std(width):
+            width = np.maximum(spread[0] + spread[1] * noise[2], 0.0)
+    wider = width * np.exp(np.sqrt(lasts / 2) * noise[3])
+    return size, mean + width * np.sqrt(2 * lasts) * noise[4], wider
 
 
 def _when(state: Investigation, dt: float) -> str:

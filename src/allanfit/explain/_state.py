@@ -14,6 +14,7 @@ from .courses import _course
 from .courses._course import Course, Sized
 from .courses._sums import Moved, Products, Summing
 from .lines._lines import Peak
+from .lines._tracked import Followed
 from .spectrum import _model
 from .spectrum._model import Model
 from .spectrum._ordinates import (
@@ -156,8 +157,8 @@ class Investigation:
     disowned_lines: list[float] = field(default_factory=list)
     #: Which of the model's added noises are lines that wander, whatever their shape.
     wandering: set[int] = field(default_factory=set)
-    #: For what part of the longest stretch the frequency of such a noise lasts, by its place.
-    lasting: dict[int, float] = field(default_factory=dict)
+    #: Lines that were followed in time, by the place of the noise.
+    followed: dict[int, Followed] = field(default_factory=dict)
     #: When a line was stronger than at other times, as `[start, stop)`, if it was.
     line_times: list[tuple[int, int]] = field(default_factory=list)
     #: Whether it switches between two levels, so that no step and no loud time is one of its own.

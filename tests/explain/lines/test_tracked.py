@@ -1,11 +1,14 @@
 """A line that wanders against normal noise of its spectrum, by its phase."""
 
 import numpy as np
+import pytest
 from scipy.signal import lfilter
 from scipy.special import i0, ive
 
 from allanfit.explain._investigate import investigate
+from allanfit.explain.lines._moments import moments
 from allanfit.explain.lines._tracked import narrow_band, normal_likelihood, tracked
+from allanfit.explain.spectrum._narrow import narrow_noises
 
 # Samples of a band; a line's width is a seventh of it.
 BAND = 700
@@ -103,3 +106,36 @@ def test_explain_tells_lines_from_resonances_of_one_spectrum():
         state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 0.0]))
         assert state.model.kinds.added == (name,)
         assert state.findings[0].name == name
+
+
+@pytest.mark.parametrize("lasts", [10.0, 100.0])
+def test_how_long_a_frequency_lasts(lasts):
+    """Of a clear line, on average of 8 and within a factor of two: memories are three apart."""
+    rng, kept = np.random.default_rng(11), np.exp(-1 / lasts)
+    logs = []
+    for _ in range(8):
+        drive = rng.standard_normal(BAND + 2000)
+        drift = lfilter([np.sqrt(1 - kept**2)], [1, -kept], drive)[2000:]
+        line = np.exp(2j * np.pi * np.cumsum(MIDDLE + WIDTH * drift))
+        logs.append(np.log(tracked(line + white(rng), MIDDLE, WIDTH, 1.0).memory / lasts))
+    assert abs(np.mean(logs)) < np.log(2)
+
+
+def test_moments_are_those_of_where_a_line_was():
+    """On one frequency for two thirds of the time and on another for the rest, going over slowly.
+
+    No normal distribution: its peak, fitted, is led by the shape. Moments know it to a per cent.
+    """
+    rng, samples = np.random.default_rng(12), 60_000
+    there = np.clip((np.arange(samples) - 38_000) / 4_000, 0, 1)
+    frequency = 0.1 + 0.0008 * there + 5e-5 * np.sin(np.arange(samples) / 2_000)
+    values = rng.standard_normal(samples) + 0.5 * np.sin(2 * np.pi * np.cumsum(frequency))
+    state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 0.0]))
+    (line,) = narrow_noises(state.model, float(samples))
+    found = moments(state, line)
+    power = found.power[0] * np.exp(line.three[0]) / 2
+    assert power == pytest.approx(0.5**2 / 2, rel=0.02)
+    assert found.mean[0] == pytest.approx(frequency.mean(), abs=2e-5)
+    assert found.width[0] == pytest.approx(frequency.std(), rel=0.03)
+    for told, error in zip(found, (0.02, 2e-5, 0.03 * frequency.std()), strict=True):
+        assert told[1] < error

@@ -12,8 +12,9 @@ from ..spectrum import _model
 from ..spectrum._model import Model
 from ..spectrum._narrow import Narrow, alone, density_of, narrow_groups, narrow_noises, resolve
 from ..spectrum._structure import EACH, NARROW, bounds, free
+from ._moments import moments
 from ._one_phase import OnePhase, one_phase
-from ._tracked import normal_likelihood, tracked
+from ._tracked import Followed, normal_likelihood, tracked
 
 # Standard deviations of a line's frequency to either side that its band takes in.
 _REACH = 3.5
@@ -65,7 +66,12 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     state.model = fitted[best]
     if best == _RESONANCE:
         return 0.0
-    state.lasting[one.place] = lasts
+    (line,) = (
+        each
+        for each in narrow_noises(state.model, float(state.data.samples))
+        if each.place == one.place
+    )
+    state.followed[one.place] = Followed(lasts, moments(state, line))
     return gained
 
 

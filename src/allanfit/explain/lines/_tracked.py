@@ -58,6 +58,24 @@ class Tracked(NamedTuple):
     memory: float
 
 
+class Moments(NamedTuple):
+    """Of a line, each with its standard deviation by the noise beside it."""
+
+    #: Over the power that the fit has.
+    power: tuple[float, float]
+    #: Mean and standard deviation of the frequency [cycles per sample].
+    mean: tuple[float, float]
+    width: tuple[float, float]
+
+
+class Followed(NamedTuple):
+    """A line that wanders, followed in time."""
+
+    #: For what part of the longest stretch its frequency lasts.
+    lasts: float
+    moments: Moments | None
+
+
 def tracked(band: Baseband, middle: float, width: float, power: float) -> Tracked:
     """How likely a line that wanders made the band.
 
