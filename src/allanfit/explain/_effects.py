@@ -207,12 +207,15 @@ def _as_followed(
     noise, lasts = rng.standard_normal((5, mean.size)), followed.lasts
     if followed.moments is not None:
         power, middle, spread = followed.moments
+        # A fit is led by the shape: moments are better even where noise moves them as far as the
+        # few turns do.
+        of_mean, of_width = np.array([np.sqrt(2 * lasts), np.sqrt(lasts / 2)]) * np.median(width)
         if power[1] < 2 * np.std(np.log(size)) * power[0]:
             measured = np.maximum(power[0] + power[1] * noise[0], 0.0)
             size = np.median(size) * np.sqrt(measured)
-        if middle[1] < np.std(mean):
+        if middle[1] < max(np.std(mean), of_mean):
             mean = middle[0] + middle[1] * noise[1]
-        if spread[1] < np.std(width):
+        if spread[1] < max(np.std(width), of_width):
             width = np.maximum(spread[0] + spread[1] * noise[2], 0.0)
     wider = width * np.exp(np.sqrt(lasts / 2) * noise[3])
     return size, mean + width * np.sqrt(2 * lasts) * noise[4], wider
