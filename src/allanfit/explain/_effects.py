@@ -206,13 +206,12 @@ def _as_followed(
     rng = np.random.default_rng(seed)
     noise, lasts = rng.standard_normal((5, mean.size)), followed.lasts
     if followed.moments is not None:
-        power, middle, spread = followed.moments
+        square, middle, spread = followed.moments
         # A fit is led by the shape: moments are better even where noise moves them as far as the
         # few turns do.
         of_mean, of_width = np.array([np.sqrt(2 * lasts), np.sqrt(lasts / 2)]) * np.median(width)
-        if power[1] < 2 * np.std(np.log(size)) * power[0]:
-            measured = np.maximum(power[0] + power[1] * noise[0], 0.0)
-            size = np.median(size) * np.sqrt(measured)
+        if square[1] < 2 * np.std(np.log(size)) * square[0]:
+            size = np.sqrt(np.maximum(square[0] + square[1] * noise[0], 0.0))
         if middle[1] < max(np.std(mean), of_mean):
             mean = middle[0] + middle[1] * noise[1]
         if spread[1] < max(np.std(width), of_width):

@@ -40,10 +40,11 @@ def moments(state: Investigation, line: Narrow) -> Moments | None:
     square = float(away @ excess) / total
     if square <= 0:
         return None
-    fitted = float(density_of(state, [line], frequency).sum())
+    # What a squared amplitude of one puts there, behind a filter as well.
+    unit = float(density_of(state, [line], frequency).sum() / np.exp(line.three[0]))
     width = np.sqrt(square)
     return Moments(
-        (total / fitted, deviation(np.ones(frequency.size)) / fitted),
+        (total / unit, deviation(np.ones(frequency.size)) / unit),
         (mean, deviation(frequency - mean) / total),
         (width, deviation(away - square) / total / (2 * width)),
     )

@@ -61,8 +61,8 @@ class Tracked(NamedTuple):
 class Moments(NamedTuple):
     """Of a line, each with its standard deviation by the noise beside it."""
 
-    #: Over the power that the fit has.
-    power: tuple[float, float]
+    #: Its squared amplitude [u^2].
+    square: tuple[float, float]
     #: Mean and standard deviation of the frequency [cycles per sample].
     mean: tuple[float, float]
     width: tuple[float, float]
