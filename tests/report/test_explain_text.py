@@ -205,3 +205,25 @@ def test_strings_cannot_steer_the_terminal(explanation):
     channel["mismatch"][0]["sentence"] = red
     channel["advice"] = channel["findings"] = [red]
     assert "\x1b" not in format_explanation(explanation)
+
+
+def test_what_stands_for_nothing_is_not_told(explanation):
+    """A bump of no height is told in words, and a rail by its side."""
+    channel = explanation["channels"][0]
+    empty = {"value": 0.0, "unit": "", "intervals": {}}
+    bump = {"height": empty, "frequency": {"value": 25.0, "unit": "Hz", "intervals": {}}}
+    rail = {"value": 0.38, "unit": "rad/s", "intervals": {}}
+    clipped = {"limit": rail, "high": {**rail, "value": -0.38}}
+    for name, parameters in (("bump", bump), ("saturation", clipped)):
+        channel["effects"][0] |= {"name": name, "parameters": parameters}
+        channel["effects"] = channel["effects"][:1]
+        channel["verdict"] = "unexplained"
+        text = told(explanation, 0)
+        if name == "bump":
+            assert "Something that has no name" in text
+            assert "no effect of the catalogue explains how." in text
+            assert "height" not in text
+            assert "25 Hz" not in text
+        else:
+            assert "high -0.38" in text
+            assert "limit 0.38" not in text

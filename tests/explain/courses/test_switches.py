@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain.courses._switches import _levels_in_time
@@ -44,3 +45,18 @@ def test_switches_are_placed_where_the_level_changes():
     moments = np.repeat([False, True, False, True], [312, 150, 388, 150])[::4]
     path = _levels_in_time(2 * levels + 0.5 * rng.standard_normal(1000), moments, 40)
     assert np.mean(path != levels) < 0.01
+
+
+def test_a_step_beside_a_process_that_wanders_is_no_switch_of_it():
+    """Seen together they have two levels; a telegraph would have to go there and back."""
+    kept, samples = np.exp(-1 / 300), 120_000
+    for seed in (0, 2):
+        rng = np.random.default_rng((21, seed))
+        values = rng.standard_normal(samples) + 2e-4 * np.cumsum(rng.standard_normal(samples))
+        drive = np.sqrt(1 - kept**2) * rng.standard_normal(samples)
+        values += 0.1 * lfilter([1.0], [1.0, -kept], drive)
+        values[70_000:] -= 0.9
+        state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 1e-7]))
+        assert [course.name for course in state.courses] == ["step"]
+        assert state.sized.sizes[0] == pytest.approx(-0.9, abs=0.15)
+        assert {finding.name for finding in state.findings} == {"step", "gauss_markov"}

@@ -138,3 +138,17 @@ def test_moments_are_those_of_where_a_line_was():
     assert found.width[0] == pytest.approx(frequency.std(), rel=0.03)
     for told, error in zip(found, (0.02, 2e-5, 0.03 * frequency.std()), strict=True):
         assert told[1] < error
+
+
+def test_a_line_that_wanders_is_no_knock_where_it_seldom_is():
+    """Ten times as strong as its mean spectrum there, for some seconds: 2 records, seeds fixed."""
+    kept, samples = np.exp(-1 / 5000), 60_000
+    for seed in (2, 6):
+        rng = np.random.default_rng((22, seed))
+        drive = np.sqrt(1 - kept**2) * rng.standard_normal(2 * samples)
+        drift = lfilter([1.0], [1.0, -kept], drive)[samples:]
+        values = rng.standard_normal(samples)
+        values += 1.5 * np.sin(2 * np.pi * np.cumsum(0.15 + 0.0008 * drift))
+        state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 1e-9]))
+        assert not state.knocks
+        assert {finding.name for finding in state.findings} == {"drifting_line"}

@@ -10,7 +10,7 @@ from scipy.signal import butter, fftconvolve, freqz, lfilter
 
 from allanfit.explain.spectrum._climb import climb, rescale
 from allanfit.explain.spectrum._density import expected_density, log_slopes, parts
-from allanfit.explain.spectrum._model import best
+from allanfit.explain.spectrum._model import Model, best, of_samples
 from allanfit.explain.spectrum._ordinates import (
     LEAKAGE_GRID,
     above_leakage,
@@ -25,6 +25,7 @@ from allanfit.explain.spectrum._structure import (
     bounds,
     free,
     held_rows,
+    shape_of,
 )
 from allanfit.physics import DriftingLine, GaussMarkov, PowerLaw, Resonance
 
@@ -238,3 +239,28 @@ def test_ordinates_end_where_a_steep_filter_leaves_nothing():
         found = above_leakage(spectrum, binned(spectrum, bin_edges(SAMPLES)))
         # (tan(pi f)/tan(0.2 pi))^16 is the number of samples at 0.294.
         assert found.top == 0.5 if top == 0.5 else 0.27 < found.top < 0.31
+
+
+def test_a_structure_keeps_its_shapes_in_a_record_of_another_length():
+    """Free parameters are bounded by the length: as they are they would be other shapes."""
+    kinds = Kinds("bump", ("gauss_markov", "drifting_line"))
+    samples, fewer = data_of(np.ones(64))._replace(samples=60_000.0), 40_000.0
+    shapes = ((0.01, 0.2), (300.0, 1.0), (0.15, 0.005))
+    names = ("bump", *kinds.added)
+    three = [
+        [
+            1.0,
+            *(
+                free(each, *limit)
+                for each, limit in zip(shape, bounds(name, 60_000.0), strict=True)
+            ),
+        ]
+        for name, shape in zip(names, shapes, strict=True)
+    ]
+    model = Model(kinds, np.concatenate([np.zeros(4), *three]), 0.0)
+    moved = of_samples(model, samples, samples._replace(samples=fewer)).theta
+    assert np.any(np.abs(moved - model.theta) > 1e-3)
+    for place, (name, shape) in enumerate(zip(names, shapes, strict=True)):
+        three = moved[4 + 3 * place :][:3]
+        assert three[0] == 1.0
+        np.testing.assert_allclose(shape_of(name, three, fewer), shape, rtol=1e-6)

@@ -142,3 +142,20 @@ def test_slopes_are_those_of_the_density(law):
             for each in zip(sizes, cores, strict=True)
         )
         np.testing.assert_allclose(slope, (up - down) / (2 * small), atol=1e-6)
+
+
+def test_few_spikes_leave_open_whether_they_are_alike():
+    """Of some thirty normal ones ten are seen. Five of 40 or more miss by chance of .05."""
+    held, open_ones, named = np.zeros(2, int), 0, 0
+    for seed in range(40):
+        rng = np.random.default_rng((9, seed))
+        values, hit = rng.standard_normal(SAMPLES), rng.random(SAMPLES) < 1e-4
+        values[hit] += 4 * rng.standard_normal(hit.sum())
+        found = contamination(values, seed)
+        if found.p_value < 1e-3:
+            named += 1
+            low, high = np.quantile(found.draws[:, :2], [0.025, 0.975], axis=0)
+            held += (low < [1e-4, 4.0]) & (high > [1e-4, 4.0])
+            open_ones += len(np.unique(found.drawn_by)) == 2
+    assert held.min() >= named - 4
+    assert open_ones > 10

@@ -18,8 +18,8 @@ from ._step_scores import StepScores, step_scores
 
 #: Standard deviations of a step that may be a switch.
 LEAST = 4.0
-# Fewer steps in turn are steps.
-_FEWEST = 8
+#: Fewer steps in turn are steps.
+FEWEST = 8
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
 _CLEAR = 6.5
 # Their heights differ by less, as a part, with up to so many times what noise makes of them.
@@ -129,7 +129,7 @@ def seen_as(
     Behind a filter each with that `edge`, so many samples `late`, or with one of no phase.
     """
     tall = np.concatenate([each.tall for each in edges])
-    if tall.size < _FEWEST:
+    if tall.size < FEWEST:
         return None
     path, through = np.zeros(state.values.size), passing(state)
     if edge is None and through is not None:

@@ -11,7 +11,7 @@ from ..spectrum._structure import EACH, shape_of
 from ..spectrum._whiten import level, whitened
 from ..values._contamination import Contamination, contamination
 from . import _course
-from ._one_by_one import seen_one_by_one
+from ._one_by_one import FEWEST, seen_one_by_one
 from ._shapes import draw_courses
 from ._telegraph import SURE, Levels, two_levels
 
@@ -65,7 +65,7 @@ def without_switches(
     three = whole.model.theta[begin : begin + EACH]
     constant = float(shape_of("gauss_markov", three, whole.data.samples)[0])
     levels = levels_of(whole, begin, constant, seed)
-    if levels.chance > whole.alarm:
+    if levels.chance > whole.alarm or np.count_nonzero(np.diff(levels.high)) < FEWEST:
         return None
     spread = levels.upper * (1 - levels.upper)
     height = float(np.exp(three[0] / 2)) / np.sqrt(spread)

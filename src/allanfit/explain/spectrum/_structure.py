@@ -141,10 +141,10 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "power_law": ((0.15, 2.95), (0.5, 2.0)),
         # The width is relative: what wanders by more than a tenth of its frequency is no line.
         "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.1)),
-        "low_pass": ((0.003, 3.0), (0.9, 8.0)),
-        "averaged_low_pass": ((0.003, 3.0), (0.9, 8.0)),
-        "digital_low_pass": ((0.003, 0.49), (0.9, 8.0)),
-        RUNNING_MEAN: ((0.003, 0.49), (0.9, 8.0)),
+        "low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
+        "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
+        RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
