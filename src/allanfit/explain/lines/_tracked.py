@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy.special import logsumexp
 
 # Frequencies of a band, and phases: one sample later a phase has gone on by whole steps.
 _STEPS = 32
@@ -105,10 +104,9 @@ def tracked(band: Baseband, middle: float, width: float, power: float) -> Tracke
         total = np.maximum(states.sum(axis=(1, 2)), _LEAST)
         states /= total[:, None, None]
         found += np.log(total) + told.max()
-    total = logsumexp(found)
-    return Tracked(
-        float(total - np.log(len(memories))), float(np.exp(found - total) @ np.array(memories))
-    )
+    likelihood = np.exp(found - found.max())
+    likely = float(found.max() + np.log(likelihood.mean()))
+    return Tracked(likely, float(likelihood @ np.array(memories) / likelihood.sum()))
 
 
 def _moves(middle: float, width: float, memory: float) -> Float[np.ndarray, "to come_from"]:

@@ -87,7 +87,8 @@ def without(model: Model, place: int) -> Model:
 def of_samples(model: Model, before: Data, after: Data) -> Model:
     """The same structure for a record of another length, which bounds its shapes elsewhere."""
     theta = np.array(model.theta)
-    names = (model.kinds.shaping,) * (model.kinds.shaping is not None) + model.kinds.added
+    kinds = model.kinds
+    names = kinds.added if kinds.shaping is None else (kinds.shaping, *kinds.added)
     for place, name in enumerate(names):
         begin = TERMS + EACH * place
         shape = shape_of(name, theta[begin : begin + EACH], before.samples)
@@ -95,7 +96,7 @@ def of_samples(model: Model, before: Data, after: Data) -> Model:
         theta[begin + 1 : begin + EACH] = [
             free(float(each), *limit) for each, limit in zip(shape, limits, strict=True)
         ]
-    return Model(model.kinds, theta, model.deviance)
+    return Model(kinds, theta, model.deviance)
 
 
 def mean_density(model: Model, data: Data) -> np.ndarray:

@@ -145,7 +145,9 @@ def contamination(
     assert best is not None
     gain = max(2 * (plain - best.fun), 0.0)
     law, body_of = shape
-    rivals = {each: of_each[each, body_of] for each in LAWS if (each, body_of) in of_each}
+    rivals: dict[Law, Any] = {
+        each: of_each[each, body_of] for each in LAWS if (each, body_of) in of_each
+    }
     draws, drawn_by = _of_likely_laws(lambda x, of: negative(x, of, body_of)[0], rivals, law, seed)
     found = np.array([_free(each) for each in draws])
     value = _free(best.x)
@@ -318,10 +320,12 @@ def _of_likely_laws(
     odds = np.array([np.exp(worth.get(each, -np.inf) - max(worth.values())) for each in LAWS])
     odds[odds < _UNLIKELY] = 0.0
     counts = np.round(_DRAWS * odds / odds.sum()).astype(int)
+
+    def draws_of(each: Law, count: int) -> Float[np.ndarray, "count k"]:
+        return curvature_draws(lambda x: negative(x, each), fits[each].x, seed)[:count]
+
     drawn = [
-        curvature_draws(lambda x, of=of: negative(x, of), fits[of].x, seed)[:count]
-        for of, count in zip(LAWS, counts, strict=True)
-        if count
+        draws_of(each, count) for each, count in zip(LAWS, counts.tolist(), strict=True) if count
     ]
     return np.concatenate(drawn), np.repeat(np.arange(len(LAWS)), counts)
 
