@@ -7,6 +7,7 @@ from scipy.signal import butter, firwin, freqz, lfilter
 from allanfit.explain._investigate import investigate
 from allanfit.explain.courses._arrival import settled
 from allanfit.explain.courses._course import step
+from allanfit.explain.courses._one_by_one import Edges
 from allanfit.explain.courses._passing import (
     _LENGTH,
     _least_phase,
@@ -14,6 +15,7 @@ from allanfit.explain.courses._passing import (
     half_and_rise,
     passed,
 )
+from allanfit.explain.courses._phase import _AROUND, _at_best
 
 SAMPLES, BEFORE = 40_000, 1_000
 FILTERS = {
@@ -103,3 +105,19 @@ def test_a_step_at_the_very_ends_stays_within(at):
     state = investigated(values)
     found = settled(state, step(at, SAMPLES))
     assert 0 < found.shape["time"] < SAMPLES
+
+
+@pytest.mark.parametrize("switches", [0, 1])
+def test_switches_are_moved_in_a_stretch_that_has_any(switches):
+    """One that is three samples late in white noise of no size; a stretch without stays so."""
+    near, moves = np.arange(-_AROUND, _AROUND + 1), np.arange(-4, 5)
+    moved = np.array([(near - move >= 0).astype(float) - (near >= 0) for move in moves])
+    none = np.zeros(0)
+    edges = Edges(100, 400, none.astype(int), none, none, none)
+    told = np.zeros(300)
+    if switches:
+        one = np.ones(1)
+        edges = edges._replace(at=np.array([203]), turns=one, tall=one, height=one)
+        told[100:103] = 1.0
+    found = _at_best(edges, told, moved, np.sum(moved**2, axis=1), moves)
+    assert found.at.tolist() == [200] * switches
