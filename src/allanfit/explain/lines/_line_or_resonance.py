@@ -66,11 +66,7 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     state.model = fitted[best]
     if best == _RESONANCE:
         return 0.0
-    (line,) = (
-        each
-        for each in narrow_noises(state.model, float(state.data.samples))
-        if each.place == one.place
-    )
+    line = _in(state.model, one.place, state)
     state.followed[one.place] = Followed(lasts, moments(state, line))
     return gained
 
@@ -120,6 +116,12 @@ def _as(state: Investigation, one: Narrow, name: str) -> Model:
     return min(_model.best(starts, state.data), key=lambda model: model.deviance)
 
 
+def _in(model: Model, place: int, state: Investigation) -> Narrow:
+    """The narrow noise at a place of a model."""
+    every = narrow_noises(model, float(state.data.samples))
+    return next(each for each in every if each.place == place)
+
+
 def _followed(
     state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow, line: Model
 ) -> tuple[float, float]:
@@ -127,8 +129,7 @@ def _followed(
 
     Second, for what part of the stretch its frequency lasts.
     """
-    samples = float(state.data.samples)
-    (fitted,) = (each for each in narrow_noises(line, samples) if each.place == one.place)
+    fitted = _in(line, one.place, state)
     middle, width = fitted.middle, fitted.width
     found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
     frequency, band = found.frequency, found.band[:_MOST]

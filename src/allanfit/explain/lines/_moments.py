@@ -6,11 +6,12 @@ those of its course (Woodward's theorem), while a fit of a normal peak is led by
 """
 
 import numpy as np
+from jaxtyping import Float
 
 from .._state import Investigation
 from ..spectrum._narrow import Narrow, beside, density_of
 from ..spectrum._ordinates import ordinates
-from ._tracked import Moments
+from ._tracked import Followed, Moments
 
 # Standard deviations of its frequency, as the fit has it, within which it was all the time.
 _REACH = 6.0
@@ -48,3 +49,34 @@ def moments(state: Investigation, line: Narrow) -> Moments | None:
         (mean, deviation(frequency - mean) / total),
         (width, deviation(away - square) / total / (2 * width)),
     )
+
+
+def in_the_long_run(
+    size: Float[np.ndarray, " draws"],
+    mean: Float[np.ndarray, " draws"],
+    width: Float[np.ndarray, " draws"],
+    followed: Followed,
+    seed: int,
+) -> tuple[Float[np.ndarray, " draws"], ...]:
+    """Draws of a line's amplitude, mean frequency and width, as it wanders in the long run.
+
+    By its moments, where these know better than a fit of its peak. A record in which the frequency
+    seldom changes tells as much of where it will be as so many independent values do: of a process
+    that forgets as exp(-t/T) the mean over a time L has the variance 2 T/L of one value, and the
+    mean square that of L/T values.
+    """
+    rng = np.random.default_rng(seed)
+    noise, lasts = rng.standard_normal((5, mean.size)), followed.lasts
+    if followed.moments is not None:
+        square, middle, spread = followed.moments
+        # A fit is led by the shape: moments are better even where noise moves them as far as the
+        # few turns do.
+        of_mean, of_width = np.array([np.sqrt(2 * lasts), np.sqrt(lasts / 2)]) * np.median(width)
+        if square[1] < 2 * np.std(np.log(size)) * square[0]:
+            size = np.sqrt(np.maximum(square[0] + square[1] * noise[0], 0.0))
+        if middle[1] < max(np.std(mean), of_mean):
+            mean = middle[0] + middle[1] * noise[1]
+        if spread[1] < max(np.std(width), of_width):
+            width = np.maximum(spread[0] + spread[1] * noise[2], 0.0)
+    wider = width * np.exp(np.sqrt(lasts / 2) * noise[3])
+    return size, mean + width * np.sqrt(2 * lasts) * noise[4], wider

@@ -20,6 +20,21 @@ def seconds(state: Investigation, pairs: Sequence[tuple[int, int]], dt: float) -
     return [[state.moment(a) * dt, state.moment(b) * dt] for a, b in pairs]
 
 
+def probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, float]]:
+    """Of the effect and of its rivals, from their scores (twice the log of the odds)."""
+    rivals = {} if finding is None else dict(finding.rivals)
+    if name not in rivals:
+        return SURE, {}
+    top = max(rivals.values())
+    weights = {rival: np.exp((score - top) / 2) for rival, score in rivals.items()}
+    total = sum(weights.values())
+    shares = {rival: float(weight / total) for rival, weight in weights.items()}
+    own = min(shares.pop(name), SURE)
+    # What has no name takes its share, but is no rival that a measurement could tell apart.
+    shares.pop("bump", None)
+    return own, {rival: share for rival, share in shares.items() if share > 0.005}
+
+
 def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     count = finding.detail * state.values.size
     spread = np.sqrt(count) / state.values.size
