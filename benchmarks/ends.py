@@ -7,9 +7,6 @@ Records of N = 1 beside the differences of errors of an angle, Q times N a sampl
 errors at both ends evened (`curves/_ends.py`), as `allanfit.fit` does, and as they are.
 """
 
-import argparse
-from pathlib import Path
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -22,6 +19,8 @@ from allanfit.identify import Fit
 from allanfit.identify._estimate import estimate
 from allanfit.report import write_json
 
+from ._records import record_options
+
 SAMPLES = 60_000
 RATIOS = (1.0, 20.0, 100.0, 300.0)
 
@@ -33,11 +32,7 @@ def holds(fit) -> bool:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=40)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
-    options = parser.parse_args(arguments)
-    jax.config.update("jax_enable_x64", True)
+    options = record_options(__doc__, 40, arguments)
     layout, rows = design((SAMPLES,)), []
     for ratio in RATIOS:
         evened = as_it_is = 0

@@ -11,10 +11,6 @@ Butterworth filter of order 1 to 4, by two equal poles, by a running mean or by 
 finds a knock or spikes beside each.
 """
 
-import argparse
-from pathlib import Path
-
-import jax
 import numpy as np
 from rich.console import Console
 from rich.progress import track
@@ -23,6 +19,7 @@ from scipy.signal import butter, firwin, lfilter
 import allanfit
 from allanfit.report import write_json
 
+from ._records import record_options
 from .telegraph import levels
 
 SAMPLES, RATE_HZ = 120_000, 100.0
@@ -71,11 +68,7 @@ def draw(kind: str, seed: int) -> tuple[np.ndarray, dict[str, float], str]:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=20)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
-    options = parser.parse_args(arguments)
-    jax.config.update("jax_enable_x64", True)
+    options = record_options(__doc__, 20, arguments)
     rows, wrong = [], []
     for kind, name in KINDS.items():
         row = {"kind": kind, "named": 0, "alone": 0, "amplitude": 0, "dwell_time": 0, "N": 0}

@@ -10,9 +10,6 @@ uniform if likelihood and sampler are right, and with the prior that allanfit sh
 show how well that prior serves this population.
 """
 
-import argparse
-from pathlib import Path
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -28,6 +25,7 @@ from allanfit.identify._estimate import target
 from allanfit.identify._likelihood import log_likelihood
 from allanfit.report import write_json
 
+from ._records import record_options
 from .generators import record
 
 SAMPLES, RATE_HZ = 30_000, 50.0
@@ -64,11 +62,7 @@ def ranks(draws, truth):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=1000)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
-    options = parser.parse_args(arguments)
-    jax.config.update("jax_enable_x64", True)
+    options = record_options(__doc__, 1000, arguments)
     scale = unit_scale(1 / RATE_HZ)[:4]
     found = {"population": [], "shipped": []}
     blocks = range(0, options.records, _BATCH)

@@ -8,10 +8,6 @@ White noise of N = 1 on a walk of K = 0.003 to 0.2 a sample, with a telegraph wh
 Gauss-Markov process of the same spectrum; with four steps of one height, and some loud seconds.
 """
 
-import argparse
-from pathlib import Path
-
-import jax
 import numpy as np
 from rich.console import Console
 from rich.progress import track
@@ -19,6 +15,8 @@ from scipy.signal import lfilter
 
 import allanfit
 from allanfit.report import write_json
+
+from ._records import record_options
 
 SAMPLES, RATE_HZ = 120_000, 10.0
 KINDS = ("telegraph", "Gauss-Markov", "steps")
@@ -51,11 +49,7 @@ def draw(kind: str, seed: int) -> tuple[np.ndarray, dict[str, float]]:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=20)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
-    options = parser.parse_args(arguments)
-    jax.config.update("jax_enable_x64", True)
+    options = record_options(__doc__, 20, arguments)
     rows = []
     for kind in KINDS:
         row = {"kind": kind, "named": 0, "alone": 0, "amplitude": 0, "dwell_time": 0, "N": 0}

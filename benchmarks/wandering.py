@@ -9,10 +9,6 @@ a third to a hundredth of the record. Mean and standard deviation of the frequen
 process, and those that it had in the record.
 """
 
-import argparse
-from pathlib import Path
-
-import jax
 import numpy as np
 from rich.console import Console
 from rich.progress import track
@@ -20,6 +16,8 @@ from scipy.signal import lfilter
 
 import allanfit
 from allanfit.report import write_json
+
+from ._records import record_options
 
 SAMPLES = 100_000
 TOLD = {
@@ -47,11 +45,7 @@ def draw(seed: int) -> tuple[np.ndarray, dict[str, float]]:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=24)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
-    options = parser.parse_args(arguments)
-    jax.config.update("jax_enable_x64", True)
+    options = record_options(__doc__, 24, arguments)
     held = dict.fromkeys(TOLD, 0)
     errors: dict[str, list[float]] = {name: [] for name in TOLD}
     named = alone = 0
