@@ -40,7 +40,7 @@ from .spectrum import _model, _search
 from .spectrum._leakage import take_bump
 from .spectrum._narrow import narrow_noises
 from .strength._knocks import moved_while_loud
-from .strength._lasting import about_spread, loudness, still_beside_lines
+from .strength._lasting import about_spread, loudness, seen_beside_lines
 from .values._clock import fresh_values
 from .values._format import stuck
 from .values._held_out import of_events
@@ -124,9 +124,10 @@ def investigate(
         state = whole if take_switches(whole, made, state.knocks, seed) else state
     _take_all(state, drivers)
     if state.knocks:
-        whole = _joined_again(state, power)
-        if still_beside_lines(whole):
-            state = whole
+        seen = seen_beside_lines(_joined_again(state, power))
+        knocks = [each for each in state.knocks if seen is None or seen[slice(*each)].any()]
+        if len(knocks) < len(state.knocks):
+            state = _joined_again(state, power, knocks)
             about_spread(state, seed, may_cut=False)
             _take_all(state, drivers)
     if moved_while_loud(state) or rang_once(state):
@@ -202,12 +203,19 @@ def _moves(state: Investigation) -> int:
     return steps + len(state.knocks) + (state.contamination is not None)
 
 
-def _joined_again(state: Investigation, power: Float[np.ndarray, " terms"]) -> Investigation:
-    """The investigation with its noises, but nothing taken or cut out in time."""
-    whole = _begin_again(state, joined(state.pieces, state.knocks, state.breaks), power)
-    whole.knocks = []
-    whole.findings = [each for each in whole.findings if each.name != "disturbance"]
-    whole.gains.pop("disturbance", None)
+def _joined_again(
+    state: Investigation,
+    power: Float[np.ndarray, " terms"],
+    knocks: Sequence[tuple[int, int]] = (),
+) -> Investigation:
+    """The investigation with its noises, but nothing taken, and only `knocks` cut out in time."""
+    knocks = list(knocks)
+    pieces = cut_out(joined(state.pieces, state.knocks, state.breaks), knocks)
+    whole = _begin_again(state, pieces, power)
+    whole.knocks = knocks
+    if not knocks:
+        whole.findings = [each for each in whole.findings if each.name != "disturbance"]
+        whole.gains.pop("disturbance", None)
     names = state.model.kinds.names
     whole.findings += [each for each in state.findings if each.name in names]
     whole.peaks = state.peaks

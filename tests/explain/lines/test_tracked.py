@@ -152,3 +152,22 @@ def test_a_line_that_wanders_is_no_knock_where_it_seldom_is():
         state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 1e-9]))
         assert not state.knocks
         assert {finding.name for finding in state.findings} == {"drifting_line"}
+
+
+def test_knocks_beside_a_line_that_wanders_are_those_that_were():
+    """Two knocks that ring for 200 samples, and a line that seldom is where it is for 4000."""
+    kept, samples = np.exp(-1 / 5000), 100_000
+    rng = np.random.default_rng((79, 5))
+    drive = np.sqrt(1 - kept**2) * rng.standard_normal(2 * samples)
+    drift = lfilter([1.0], [1.0, -kept], drive)[samples:]
+    values = rng.standard_normal(samples)
+    values += 1.5 * np.sin(2 * np.pi * np.cumsum(0.15 + 0.0008 * drift))
+    ringing = 12 * np.exp(-np.arange(2000) / 200)
+    for at, frequency in ((30_000, 0.3), (70_000, 0.38)):
+        values[at : at + 2000] += ringing * np.sin(2 * np.pi * frequency * np.arange(2000))
+    state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 1e-9]))
+    assert {finding.name for finding in state.findings} == {"disturbance", "drifting_line"}
+    assert [(a < 30_200 < b, a < 70_200 < b) for a, b in state.knocks] == [
+        (True, False),
+        (False, True),
+    ]

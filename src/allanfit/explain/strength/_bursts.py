@@ -35,6 +35,8 @@ _APART = 2.0
 # The share of windows that chance lifts above a level, and the chance of more of them from which on
 # it is no brief disturbance that does.
 _COMMON, _LASTING = 0.01, 1e-6
+# An ordinate that stands out in a larger share of the windows is no brief one.
+_SELDOM = 0.03
 # A decay falls by this many powers of e within its window.
 _DECAYS = 4.0
 # Samples of windows that are transformed together.
@@ -78,8 +80,8 @@ def bursts(white: Float[np.ndarray, " samples"], tail: float = 1.0) -> Burst:
     for shape, hop, fewest in windows:
         power = _powers(white, shape / np.sqrt(np.sum(shape**2)), hop, fewest)
         own = np.median(power, axis=0) / np.log(2)
-        power /= np.where(own > _OWN_LEVEL, own, 1.0)
-        strongest = power.max(axis=1) / tail
+        power /= np.where(own > _OWN_LEVEL, own, 1.0) * tail
+        strongest = _brief(power).max(axis=1, initial=0.0)
         beside += [
             _Tile(float(strongest[at]), at * hop + shape.size / 2, shape.size)
             for at in np.flatnonzero(trials - strongest < _BESIDE)
@@ -127,6 +129,12 @@ def _powers(
         spectra = spectra[:, fewest : spectra.shape[1] - fewest]
         power[at : at + together] = spectra.real**2 + spectra.imag**2
     return power
+
+
+def _brief(power: Float[np.ndarray, "windows ordinates"]) -> Float[np.ndarray, "windows brief"]:
+    """The ordinates that seldom stand out: a line that wanders comes to its own again and again."""
+    high = np.log(power.shape[1] / _COMMON)
+    return power[:, np.mean(power > high, axis=0) < _SELDOM]
 
 
 class _Tile(NamedTuple):

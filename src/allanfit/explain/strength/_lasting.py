@@ -1,7 +1,7 @@
 """Whether the noise of a channel lasts: loud times and knocks, and outliers beside them."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from .._intervals import runs
 from .._refit import rebin, refit
@@ -145,8 +145,8 @@ def _knocked(
     return as_modulation(white, brief._replace(loud=apart))
 
 
-def still_beside_lines(state: Investigation) -> bool:
-    """Whether nothing is brief in a record with lines that wander, beside their bands.
+def seen_beside_lines(state: Investigation) -> Bool[np.ndarray, " samples"] | None:
+    """Which samples are brief disturbances beside the bands of lines that wander, if there are any.
 
     Such a line is at one frequency at a time. Where it seldom is its mean spectrum is low, and it
     stands out of that when it comes there.
@@ -154,13 +154,13 @@ def still_beside_lines(state: Investigation) -> bool:
     lines = narrow_noises(state.model, float(state.data.samples))
     bands = [(each.middle, _REACH * each.width) for each in lines if each.name == "drifting_line"]
     if not bands or _at_the_ends(state) is not None:
-        return False
+        return None
     beside = []
     for piece in state.long_pieces:
         white = whitened_piece(state, piece, model_only=True)
         beside.append(without_bands(white, bands))
     brief = bursts(np.clip(np.concatenate(beside), -PULLED_IN, PULLED_IN), _tail(state))
-    return bool(brief.log_p >= np.log(state.alarm))
+    return state.flags(brief.loud & bool(brief.log_p < np.log(state.alarm)))
 
 
 def _tail(state: Investigation) -> float:
