@@ -3,9 +3,10 @@
 import json
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
-from scipy.signal import butter, fftconvolve, lfilter, welch
+from scipy.signal import butter, fftconvolve, firwin, lfilter, welch
 
 import allanfit
 from allanfit.cli import main
@@ -232,6 +233,25 @@ def test_a_line_that_swings_as_a_sine_is_one_that_wanders(tmp_path):
     assert [effect["name"] for effect in found["effects"]] == ["drifting_line"]
     assert found["effects"][0]["probability"] > 0.9
     assert any("does not wander as the model has it" in sentence for sentence in found["advice"])
+
+
+def test_it_is_as_exact_where_jax_is_left_as_it_is():
+    """A windowed sinc passes a billionth of the power above: single precision was lost there."""
+    rng = np.random.default_rng(3)
+    values = rng.standard_normal(20_100) + 1e-4 * np.cumsum(rng.standard_normal(20_100))
+    values = lfilter(firwin(31, 0.08), [1.0], values)[100:]
+    recording = allanfit.recording_of(values, rate_hz=RATE, unit="deg/s")
+    found = []
+    for wide in (True, False):
+        with jax.enable_x64(wide):
+            channels = explain_recording(recording, posterior=False).to_dict()["channels"]
+        found.append(channels[0])
+    told = [[effect["sentence"] for effect in channel["effects"]] for channel in found]
+    assert told[0] == told[1]
+    assert "low-pass" in told[0][0]
+    for symbol in "NBK":
+        after = [channel["coefficients_after"][symbol]["value"] for channel in found]
+        assert after[0] == pytest.approx(after[1], rel=1e-6)
 
 
 def test_the_square_of_temperature_is_told():

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import jax
 import numpy as np
 
 from ..curves import unit_scale
@@ -61,30 +62,32 @@ def explain_recording(
             "explain takes a recording: read one with allanfit.load, or make one of arrays with "
             "allanfit.recording_of."
         )
-    compared_with = references(simulation, recording, sampling)
-    drawn = [each.simulated for each in compared_with.values() if each.simulated]
-    for channel, of in (*((each, recording) for each in recording.channels), *drawn):
-        _check_stretches(closed_up(channel, of)[0])
-    alarm = ALARM / len(recording.channels)
-    found: list[ChannelExplanation] = []
-    simulated: dict[int, ChannelExplanation] = {}
-    for channel in recording.channels:
-        announce(channel.name)
-        explained = _explain_channel(channel, recording, sampling, alarm, posterior, seed)
-        reference = compared_with.get(channel.name)
-        if reference is not None:
-            # One simulated channel may serve several of the recording.
-            if reference.simulated is not None and id(reference) not in simulated:
-                own = _explain_channel(*reference.simulated, sampling, alarm, False, seed)
-                simulated[id(reference)] = own
-            own = simulated.get(id(reference))
-            if own is not None:
-                values, deviations = own.terms
-                reference = replace(reference, coefficients=values, deviations=deviations)
-                explained = replace(explained, simulated=own)
-            explained = replace(explained, reference=reference)
-        found.append(explained)
-        done()
+    # Steep filters leave powers that single precision cannot tell from nothing.
+    with jax.enable_x64(True):
+        compared_with = references(simulation, recording, sampling)
+        drawn = [each.simulated for each in compared_with.values() if each.simulated]
+        for channel, of in (*((each, recording) for each in recording.channels), *drawn):
+            _check_stretches(closed_up(channel, of)[0])
+        alarm = ALARM / len(recording.channels)
+        found: list[ChannelExplanation] = []
+        simulated: dict[int, ChannelExplanation] = {}
+        for channel in recording.channels:
+            announce(channel.name)
+            explained = _explain_channel(channel, recording, sampling, alarm, posterior, seed)
+            reference = compared_with.get(channel.name)
+            if reference is not None:
+                # One simulated channel may serve several of the recording.
+                if reference.simulated is not None and id(reference) not in simulated:
+                    own = _explain_channel(*reference.simulated, sampling, alarm, False, seed)
+                    simulated[id(reference)] = own
+                own = simulated.get(id(reference))
+                if own is not None:
+                    values, deviations = own.terms
+                    reference = replace(reference, coefficients=values, deviations=deviations)
+                    explained = replace(explained, simulated=own)
+                explained = replace(explained, reference=reference)
+            found.append(explained)
+            done()
     return Explanation(recording, tuple(found))
 
 

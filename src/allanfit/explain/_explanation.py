@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -273,7 +274,8 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """The explain JSON, schema allanfit.explain/1."""
-        return recording_document(SCHEMA, self.recording, self.channels)
+        with jax.enable_x64(True):
+            return recording_document(SCHEMA, self.recording, self.channels)
 
     def _repr_html_(self) -> str:
         """Verdicts, effects and coefficients, for a notebook."""
