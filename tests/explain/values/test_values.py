@@ -18,10 +18,11 @@ def named(values: np.ndarray):
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
-def test_differences_of_a_rounded_angle_are_quantization(seed):
+@pytest.mark.parametrize("rate", [0.0, 0.37])
+def test_differences_of_a_rounded_angle_are_quantization(seed, rate):
     """An angle that moves by .42 codes a sample: its errors are almost white, but not quite."""
     rng = np.random.default_rng(seed)
-    angle = np.cumsum(0.42 * rng.standard_normal(SAMPLES + 1))
+    angle = np.cumsum(rate + 0.42 * rng.standard_normal(SAMPLES + 1))
     state = named(np.diff(np.round(angle)))
     assert [finding.name for finding in state.findings] == []
     quantization, white = np.exp(state.model.theta[:2] / 2)

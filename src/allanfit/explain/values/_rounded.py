@@ -43,8 +43,12 @@ def about_format(state: Investigation) -> None:
 
 
 def name_fine_codes(state: Investigation) -> None:
-    """Name codes that are fine beside the samples, but not beside N, once N is known."""
-    if state.finding("output_rounding") is None and _beside_n(state):
+    """Name codes that are fine beside the samples, but not beside N, once N is known.
+
+    Those of an angle add nothing to N.
+    """
+    of_angle = state.rate_rounded < 0.5
+    if state.finding("output_rounding") is None and not of_angle and _beside_n(state):
         _name_codes(state)
 
 
@@ -68,7 +72,10 @@ def about_angle(state: Investigation) -> bool:
 
     If so the structure has to be fitted again.
     """
-    state.rate_rounded = 1.0 if state.rounding.added == 0 else _rate_is_rounded(state)
+    if state.rounding.added == 0:
+        # Fine codes, or those of an angle already.
+        return False
+    state.rate_rounded = _rate_is_rounded(state)
     if state.rate_rounded >= 0.5:
         return False
     state.rounding = UNROUNDED
