@@ -6,17 +6,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.fft import dct
-from scipy.stats import norm
 
 from ..curves import unit_scale
 from ..curves._design import RAMP_MODES
 from ..curves._spectrum import ramp_coefficients
 from ..identify import Fit
 from ..identify._ramp import RampData, draw_ramps
-from ..recording._checks import usable
 from ._state import Investigation
 from .spectrum._model import rise_without
 from .spectrum._posterior import Draws
+from .values._clipped import rails
 
 
 def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
@@ -88,36 +87,11 @@ def _ramps(
 
 
 def _unclip(state: Investigation, power: Float[np.ndarray, "draws terms"], best) -> None:
-    """Undo what rails do: they cut the spread of fast noise, and pass part of what is slow.
-
-    For a normal signal the gain of slow changes is its product with what is logged (Bussgang's
-    theorem), and how strong it was follows from how many samples stand at a rail: rounded, from
-    half a code before it on.
-    """
-    rails = state.format.rails
-    if not rails:
+    """Undo what rails do: they cut the spread of fast noise, and pass part of what is slow."""
+    cut = rails(state)
+    if cut is None:
         return
-    used = usable(state.values, state.pieces)
-    middle = float(np.median(used))
-    if middle in rails:
-        # Most of it is lost.
-        return
-    reach = np.array(sorted(rails)) - middle
-    # In standard deviations from the mean, which is the median if there is but one rail.
-    beyond = [np.mean(used == rail) for rail in sorted(rails)]
-    place = np.sign(reach) * norm.isf(np.clip(beyond, 1e-9, 0.49))
-    edge = reach - np.sign(reach) * np.minimum(state.format.width, np.abs(reach)) / 2
-    sigma = np.ptp(edge) / np.ptp(place) if len(rails) == 2 else float(edge[0] / place[0])
-    mean = float(np.mean(edge - place * sigma)) if len(rails) == 2 else 0.0
-    z = np.linspace(-8, 8, 40001)
-    clipped = mean + z * sigma
-    for side, rail, last in zip(np.sign(reach), reach, edge, strict=True):
-        clipped = np.where(side * (mean + z * sigma - last) > 0, rail, clipped)
-    density = norm.pdf(z)
-    density /= density.sum()
-    variance = density @ clipped**2 - (density @ clipped) ** 2
-    gain = density @ (z * clipped) / sigma
-    factor = np.array([sigma**2 / variance, sigma**2 / variance, gain**-2, gain**-2])
+    factor = 1 / np.array([cut.variance, cut.variance, cut.gain**2, cut.gain**2])
     power *= factor
     best *= factor
 

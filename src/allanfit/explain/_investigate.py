@@ -30,6 +30,7 @@ from ._rounds import LEEWAY, TWO, take_one
 from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
+from .courses._one_by_one import likely_one_by_one
 from .courses._rectified import steps_while_loud
 from .courses._switches import of_switches, without_switches
 from .courses._taken_switches import take_process, take_switches, without_spikes
@@ -177,8 +178,8 @@ def _with_switches(
     named = "gauss_markov" in state.model.kinds.added
     if state.vibration is not None or state.finding("random_telegraph"):
         return None
-    # Between them the steps of a telegraph may leave nothing of the process.
-    if not named and _moves(state) < _FEWEST_SWITCHES:
+    # Between them the steps of a telegraph, or a walk, may leave nothing of the process.
+    if not named and _moves(state) < _FEWEST_SWITCHES and likely_one_by_one(state) is None:
         return None
     whole = _joined_again(state, power)
     if take_switches(whole, made, state.knocks, seed):

@@ -47,6 +47,8 @@ _WITHIN = 0.25
 _HARMONICS, _LINE_ERROR = 4, 0.1
 # What is slower than so many periods in the record is no waveform, of which each phase is averaged.
 _OFTEN = 100
+# A line takes noise to the rails with its own period, and that of its lowest harmonics.
+_MULTIPLES = 3
 # Where most of what is white is [cycles per sample].
 _WHITE = 0.25
 
@@ -241,6 +243,8 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
     if not found:
         return
     log_p, period, size, white = min(found, key=lambda one: one[0])
+    if _cut_by_line(state, period):
+        return
     log_p = min(log_p + np.log(len(found)), 0.0)
     state.witness(
         "swing of the noise",
@@ -257,6 +261,16 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         why = "the strength of the noise swings"
         like = "interpolation to another rate does so"
         state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True, like=like))
+
+
+def _cut_by_line(state: Investigation, period: float) -> bool:
+    """Whether noise is cut at a rail in each period of a line, which takes it there."""
+    if not state.format.rails:
+        return False
+    multiples = np.arange(1, _MULTIPLES + 1)
+    cycles = [multiples * course.shape["frequency"] for course in state.lines]
+    apart = [np.abs(np.abs(each - np.round(each)) - 1 / period).min() for each in cycles]
+    return bool(min(apart, default=np.inf) < 2 / state.spectrum.longest)
 
 
 def _skewed(state: Investigation) -> None:

@@ -1,9 +1,11 @@
 """From courses in time to named effects with parameters, in SI units and seconds."""
 
 import numpy as np
+from jaxtyping import Float
 
 from .._effect import Effect
 from .._state import Investigation
+from ..values._clipped import rails
 from ..values._effects import LINE, SURE, probabilities
 from ._course import Course
 from ._dwells import dwells
@@ -39,7 +41,7 @@ def of_courses(state: Investigation, dt: float, rng) -> list[Effect]:
             values = {"amplitude": sizes[:, 0], "time_constant": constant * dt}
             found.append(Effect("warm_up", own, others, values))
         elif course.name == "sinusoid":
-            found.append(_sinusoid(course, sizes, own, others, dt, rng))
+            found.append(_sinusoid(course, _unclipped(state, sizes), own, others, dt, rng))
         elif course.name == "random_telegraph":
             found.append(_telegraph(course, sizes[:, 0], dt, rng))
         elif course.name == "temperature":
@@ -84,6 +86,15 @@ def _steps(steps: list[tuple]) -> list[Effect]:
         lists["heights"] = [height for _, height in in_time]
     own = float(max(each[2] for each in steps))
     return [Effect("step", own, steps[0][3], {"amplitude": mean}, lists)]
+
+
+def _unclipped(state: Investigation, sizes: Float[np.ndarray, "draws waves"]):
+    """A line as it was before rails cut its peaks."""
+    cut = rails(state)
+    if cut is None:
+        return sizes
+    logged = float(np.median(np.linalg.norm(sizes, axis=1)))
+    return sizes * cut.line(logged) / logged
 
 
 def _sinusoid(course, sizes, own, others, dt, rng) -> Effect:

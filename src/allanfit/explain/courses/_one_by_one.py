@@ -12,10 +12,13 @@ from jaxtyping import Float, Int
 
 from .._refit import evidence
 from .._state import Investigation
-from ._course import Course, Edge
+from ..spectrum._model import Model
+from ._course import Course, Edge, ordinate_variance
 from ._passing import passed, passing
 from ._step_scores import StepScores, step_scores
 
+# Samples within which a walk rises above white noise, and the logarithm of no power.
+_MEMORIES, _NO_FLICKER = (30.0, 120.0, 480.0, 1920.0, 7680.0), -100.0
 #: Standard deviations of a step that may be a switch.
 LEAST = 4.0
 #: Fewer steps in turn are steps.
@@ -77,16 +80,34 @@ class Seen(NamedTuple):
 
 
 def seen_one_by_one(state: Investigation) -> Seen | None:
-    """The switches of a telegraph in what the model leaves, if there are steps in turn."""
-    pieces = _scores(state)
-    return seen_as(state, [_in_turn(piece, piece.scores) for piece in pieces])
+    """The switches of a telegraph in what the model leaves, if there are steps in turn.
+
+    In a model without them slow noise stands for them, beside which they are hard to see. So they
+    are sought beside others too, whose walks rise above white noise within so many samples. How
+    they were found does not matter to what they are worth.
+    """
+    longest = max(stop - start for start, stop in state.long_pieces)
+    memories = [each for each in _MEMORIES if each < longest / FEWEST]
+    found = []
+    for model in (state.model, *(_walking(state.model, each) for each in memories)):
+        pieces = _scores(state, model)
+        seen = seen_as(state, [_in_turn(piece, piece.scores) for piece in pieces])
+        if seen is not None:
+            found.append(seen)
+    return max(found, key=lambda seen: seen.worth(state), default=None)
+
+
+def likely_one_by_one(state: Investigation) -> Seen | None:
+    """The same, if they are likelier than what the model has in their place."""
+    seen = seen_one_by_one(state)
+    return seen if seen is not None and seen.worth(state) >= -np.log(state.alarm) else None
 
 
 def seen_again(state: Investigation, seen: Seen) -> Seen | None:
     """As `seen` beside all others, whose course came last: in the noise that they leave."""
     assert state.sized is not None
     height, edges = float(state.sized.sizes[-1]), []
-    for piece, before in zip(_scores(state), seen.edges, strict=True):
+    for piece, before in zip(_scores(state, state.model), seen.edges, strict=True):
         scores, places = piece.scores.copy(), np.searchsorted(piece.at, before.at)
         places = np.minimum(places, scores.size - 1)
         scores[places] += before.turns * height * piece.known[places]
@@ -94,8 +115,17 @@ def seen_again(state: Investigation, seen: Seen) -> Seen | None:
     return seen_as(state, edges)
 
 
-def _scores(state: Investigation) -> list[StepScores]:
-    return step_scores(state.calm, state.long_pieces, state.left, state.variance, passing(state))
+def _walking(model: Model, memory: float) -> Model:
+    """White noise and a walk that is as strong within so many samples, in place of all else."""
+    kinds, theta = model.kinds._replace(added=()), model.theta[: model.kinds.first_slot].copy()
+    theta[2], theta[3] = _NO_FLICKER, theta[1] - 2 * np.log(memory)
+    return model._replace(kinds=kinds, theta=theta)
+
+
+def _scores(state: Investigation, model: Model) -> list[StepScores]:
+    """How steps stand out of the noise of a model."""
+    variance = ordinate_variance(state.spectrum, model, state.data)
+    return step_scores(state.calm, state.long_pieces, state.left, variance, passing(state))
 
 
 def _in_turn(piece: StepScores, scores: Float[np.ndarray, " places"]) -> Edges:

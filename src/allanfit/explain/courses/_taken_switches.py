@@ -11,7 +11,7 @@ from ..spectrum._structure import TERMS
 from ..strength._lasting import about_spread
 from ..values._alone import read_again
 from ..values._held_out import Gain
-from ._one_by_one import Seen, seen_again, seen_one_by_one
+from ._one_by_one import Seen, likely_one_by_one, seen_again
 from ._phase import with_phase
 from ._switch_times import placed
 from ._switches import quiet
@@ -67,8 +67,8 @@ def _place(state: Investigation, seen: Seen) -> None:
 
 def _switch_by_switch(state: Investigation) -> Seen | None:
     """Take switches that are likelier than a process that wanders; says which, if there are."""
-    seen = seen_one_by_one(state)
-    if seen is None or seen.worth(state) < -np.log(state.alarm):
+    seen = likely_one_by_one(state)
+    if seen is None:
         return None
     names = state.model.kinds.names
     if "gauss_markov" not in names and take_process(state):
