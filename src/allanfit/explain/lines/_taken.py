@@ -42,10 +42,12 @@ def line_options(state: Investigation) -> list[Option]:
     piece = state.longest
     held = len(state.lines)
     white = whitened_piece(state, piece, ())
+    weight = np.ones(white.size)
     if state.modulation is not None and state.modulation.strength is not None:
         # Ordinates that are near are alike where strength varies, and chance makes bands of them.
-        white = white / state.deviation[slice(*piece)]
-        white /= np.std(white)
+        weight = 1 / state.deviation[slice(*piece)]
+        weight /= np.std(white * weight)
+    white = white * weight
     even = evenly(white, _time(state, piece))
     peaks = [
         peak
@@ -69,7 +71,7 @@ def line_options(state: Investigation) -> list[Option]:
     sine = refine(even, peak, density)
 
     def take(rivals: dict[str, float]) -> None:
-        _take_line(state, peaks, sine, white)
+        _take_line(state, peaks, sine, white, weight)
 
     name = LINE if _sharp(peak, even.size) else BAND
     # On the scale of the other options' chances, which have an alarm of their own.
@@ -77,12 +79,21 @@ def line_options(state: Investigation) -> list[Option]:
     return [Option(name, log_p, sine.gain, sine.gain, take)]
 
 
-def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.ndarray) -> None:
-    """A peak that one sinusoid empties is one; another is broad, and left to the spectrum."""
+def _take_line(
+    state: Investigation,
+    peaks: list[Peak],
+    sine: Sine,
+    white: Float[np.ndarray, " samples"],
+    weight: Float[np.ndarray, " samples"],
+) -> None:
+    """A peak that one sinusoid empties is one; another is broad, and left to the spectrum.
+
+    The `white` record has everything times `weight`, sinusoids too.
+    """
     peak, time = peaks[0], _time(state, state.longest)
     samples = int(time[-1]) + 1
     angle = 2 * np.pi * sine.frequency * time
-    basis = np.column_stack([np.cos(angle), np.sin(angle)])
+    basis = weight[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     rest = white - basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
     close = max(_CLOSE / samples, 2 * peak.half_width)
     # As loosely as the peak was found: what is left of a broad one may be weaker than it.
@@ -98,7 +109,7 @@ def _take_line(state: Investigation, peaks: list[Peak], sine: Sine, white: np.nd
         course for course in state.lines if abs(course.shape["frequency"] - sine.frequency) < close
     ]
     again = len(same) == 1 and same[0].sizes == 2 and "nearer" not in same[0].shape
-    if again and _nearer(state, same[0], white):
+    if again and _nearer(state, same[0], white, weight):
         return
     if alone and not beside and not same:
         course = _line(state, sine.frequency)
@@ -138,7 +149,12 @@ def _line(state: Investigation, frequency: float) -> Course:
     return _course.oscillation(frequency, time, ahead[after(np.arange(time.size))])
 
 
-def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
+def _nearer(
+    state: Investigation,
+    old: Course,
+    white: Float[np.ndarray, " samples"],
+    weight: Float[np.ndarray, " samples"],
+) -> bool:
     """The frequency of a line again, from what is left of it; whether it is near.
 
     While it was there, the level on which it stood was not well known. A sinusoid whose frequency
@@ -147,7 +163,7 @@ def _nearer(state: Investigation, old: Course, white: np.ndarray) -> bool:
     frequency = old.shape["frequency"]
     time = _time(state, state.longest)
     angle = 2 * np.pi * frequency * time
-    basis = np.column_stack([np.cos(angle), np.sin(angle)])
+    basis = weight[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     late = time[:, None] - time.mean()
     cosine, sine = np.linalg.lstsq(np.hstack([basis, late * basis]), white, rcond=None)[0][2:]
     # What whitening makes of its amplitude, which is zero at no frequency near by.
