@@ -29,6 +29,21 @@ def test_switches_that_are_clear_to_the_eye_are_neither_steps_nor_disturbances()
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.05)
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_switches_that_a_walk_stands_for_are_seen(seed):
+    """A fitted walk is as strong as some 15 to 30 steps of 0.6 deviations, and hid them all."""
+    rng = np.random.default_rng((31, seed))
+    levels = telegraph(rng, (2000, 2000))
+    walk = 3e-4 * np.cumsum(rng.standard_normal(SAMPLES))
+    state = investigated(0.6 * levels + walk + rng.standard_normal(SAMPLES))
+    assert [finding.name for finding in state.findings] == ["random_telegraph"]
+    # Levels as they are, but for what is too brief.
+    (course,) = state.courses
+    path = course.draw()[:, 0]
+    assert np.mean((path > np.median(np.unique(path))) != (levels > 0)) < 0.05
+    assert state.sized.sizes[0] == pytest.approx(0.6, rel=0.1)
+
+
 def test_a_knock_beside_a_telegraph_stays_one():
     rng = np.random.default_rng(3)
     values = 0.7 * telegraph(rng, (300, 300)) + rng.standard_normal(SAMPLES)

@@ -5,7 +5,7 @@ the samples that it passes say, and a brief dwell is a pulse of the height that 
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.fft import irfft
 from scipy.optimize import brentq
 
@@ -16,8 +16,9 @@ from ._passing import passed, passing
 
 # Samples that a switch is moved by at once, and how often.
 _REACH, _MOVES = 16, 3
-# Samples of the longest dwell that is looked for as such.
-_BRIEF = 64
+# Dwells that are looked for as such have up to so many samples, beyond the first ones by steps of
+# a tenth.
+_EACH, _BRIEF, _LONGER = 64, KERNEL // 2, 1.1
 
 
 def placed(state: Investigation, seen: Seen) -> Seen:
@@ -31,8 +32,10 @@ def placed(state: Investigation, seen: Seen) -> Seen:
         density = density / through.gain_at(np.arange(KERNEL // 2 + 1) / KERNEL) ** 2
     response = np.asarray(irfft(1 / density, KERNEL))
     # Of pulses of so many samples and of one unit, by the inverse covariance.
+    longer = _EACH * _LONGER ** np.arange(np.log(_BRIEF / _EACH) / np.log(_LONGER))
+    lengths = np.append(np.arange(1, _EACH), longer.astype(int))
     pulses = np.array(
-        [n * response[0] + 2 * np.arange(n - 1, 0, -1) @ response[1:n] for n in range(1, _BRIEF)]
+        [n * response[0] + 2 * np.arange(n - 1, 0, -1) @ response[1:n] for n in lengths]
     )
     calm = state.calm + height * seen.course.draw()[:, 0]
 
@@ -50,12 +53,15 @@ def placed(state: Investigation, seen: Seen) -> Seen:
     # As much as telling of two more switches costs.
     least = 2 * (1 + np.log(seen.course.shape["samples"] / seen.course.shape["switches"]))
     unseen = _shortest_seen(state, seen.course.shape["clear"])
-    brief = pulses[: int(2 * unseen) + 1]
-    edges = [_with_brief(each, told(each), height, brief, least) for each in edges]
+    brief = lengths <= 2 * unseen + 1
+    edges = [
+        _with_brief(each, told(each), height, lengths[brief], pulses[brief], least)
+        for each in edges
+    ]
     found = seen_as(state, edges) or seen
-    shown = np.flatnonzero(height**2 / 2 * pulses > least)
+    shown = lengths[height**2 / 2 * pulses > least]
     # Needed of the last course alone: how long levels last depends on it.
-    found.course.shape["unseen"] = min([unseen, *(shown[:1] + 0.5)])
+    found.course.shape["unseen"] = min([unseen, *(shown[:1] - 0.5)])
     return found
 
 
@@ -82,6 +88,7 @@ def _with_brief(
     edges: Edges,
     told: Float[np.ndarray, " ends"],
     height: float,
+    lengths: Int[np.ndarray, " lengths"],
     pulses: Float[np.ndarray, " lengths"],
     least: float,
 ) -> Edges:
@@ -92,7 +99,7 @@ def _with_brief(
     past = np.searchsorted(edges.at - edges.start, np.arange(samples), side="right")
     other = 1 - 2 * edges.level
     best, length = np.full(samples, least), np.zeros(samples, int)
-    for n, energy in enumerate(pulses, start=1):
+    for n, energy in zip(lengths.tolist(), pulses, strict=True):
         first, stop = 1, samples - n
         along = other[first:stop] * (told[first + n : stop + n] - told[first:stop])
         gain = height * along - height**2 / 2 * energy

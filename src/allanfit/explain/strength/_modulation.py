@@ -225,15 +225,14 @@ def _with_strength(
 ) -> Modulation:
     """The course of the strength beside two levels, where it is more than these."""
     middles = ((np.arange(labels.size) + 0.5) * found.window).astype(int)
-    strength, draws = np.ones(white.size), None
+    strength, told = np.ones(white.size), None
     for _ in range(_AGAIN):
         power = local_power(white / strength, found.window) * strength[middles] ** 2
         told = varying(power, weight, labels, seed)
         if told is None:
             return _with_levels(found, white, labels, weight, seed)
-        course, draws = told
-        strength = np.exp(np.interp(np.arange(white.size), middles, course) / 2)
-    assert draws is not None
+        strength = np.exp(np.interp(np.arange(white.size), middles, told.course) / 2)
+    assert told is not None
     loud = found.loud
     if not loud.any() or loud.all():
         # No two levels of it are worth their changes: what is beyond the middle is loud.
@@ -242,8 +241,7 @@ def _with_strength(
         ratio = np.sqrt(louder / quiet)
         found = found._replace(ratio=float(ratio), draws=found.draws / found.ratio * ratio)
     strength /= np.sqrt(np.mean(strength[~loud] ** 2))
-    extremes = np.exp((draws.max(axis=1) - draws.min(axis=1)) / 2)
-    return found._replace(loud=loud, strength=strength, extremes=extremes)
+    return found._replace(loud=loud, strength=strength, extremes=np.exp(told.reach / 2))
 
 
 def _with_levels(

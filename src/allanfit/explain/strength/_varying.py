@@ -8,6 +8,7 @@ likelihood of either, with all courses of it counted by their own probability.
 """
 
 import itertools
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -27,9 +28,27 @@ Windows = Float[np.ndarray, " windows"]
 Labels = Int[np.ndarray, " windows"]
 
 
-def varying(
-    power: Windows, weight: float, labels: Labels, seed: int
-) -> tuple[Windows, Float[np.ndarray, "draws windows"]] | None:
+class Varying(NamedTuple):
+    """The log of a mean square that changes all the time."""
+
+    course: Windows
+    draws: Float[np.ndarray, "draws windows"]
+    #: Whether it is smoother than a walk.
+    smooth: bool
+
+    @property
+    def reach(self) -> Float[np.ndarray, " draws"]:
+        """How far apart its extremes are, in draws."""
+        reach = np.ptp(self.draws, axis=1)
+        if not self.smooth:
+            return reach
+        # Draws are rough about a course that is none, and so is that: the extremes of either are
+        # beyond those of the true one by about as much.
+        beyond = max(float(np.mean(reach) - np.ptp(self.course)), 0.0)
+        return np.maximum(reach - 2 * beyond, 0.0)
+
+
+def varying(power: Windows, weight: float, labels: Labels, seed: int) -> Varying | None:
     """The course of the log of the mean square, and draws of it, unless levels say as much.
 
     `power` is the mean square in windows, as certain as that of `weight` independent normal
@@ -39,21 +58,21 @@ def varying(
     logarithm, variance = np.log(power) + 1 / weight, 2 / weight
     cosines = np.asarray(dct(logarithm, norm="ortho"))
     order = np.sin(np.pi * np.arange(1, power.size) / (2 * power.size))
-    best, prior = -np.inf, np.zeros(0)
+    best, prior, smooth = -np.inf, np.zeros(0), False
     for slowest, falling in itertools.product(_SLOWEST, _POWERS):
         tried = slowest * variance * (order[0] / order) ** falling
         total = tried + variance
         # The mean is free.
         likelihood = -(np.sum(np.log(total) + cosines[1:] ** 2 / total) + np.log(variance)) / 2
         if likelihood > best:
-            best, prior = float(likelihood), tried
+            best, prior, smooth = float(likelihood), tried, falling > min(_POWERS)
     if best < _in_levels(logarithm, variance, labels) + _MARGIN:
         return None
     part = np.append(1.0, prior / (prior + variance))
     noise = np.random.default_rng(seed).standard_normal((_DRAWS, power.size))
     drawn = part * cosines + np.sqrt(part * variance) * noise
     course = np.asarray(idct(part * cosines, norm="ortho"))
-    return course, np.asarray(idct(drawn, norm="ortho", axis=1))
+    return Varying(course, np.asarray(idct(drawn, norm="ortho", axis=1)), smooth)
 
 
 def _in_levels(logarithm: Windows, variance: float, labels: Labels) -> float:
