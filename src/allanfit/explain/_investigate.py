@@ -33,7 +33,12 @@ from .courses._course import Course
 from .courses._one_by_one import likely_one_by_one
 from .courses._rectified import steps_while_loud
 from .courses._switches import of_switches, without_switches
-from .courses._taken_switches import take_process, take_switches, without_spikes
+from .courses._taken_switches import (
+    steps_are_switches,
+    take_process,
+    take_switches,
+    without_spikes,
+)
 from .lines._lines import line_log_chance
 from .lines._rang_once import rang_once
 from .lines._taken import LINE_ALARM, take_strong_lines
@@ -139,6 +144,8 @@ def investigate(
     whole = _with_switches(state, made, power, seed)
     if whole is not None:
         state = whole
+        _take_all(state, drivers)
+    if steps_are_switches(state):
         _take_all(state, drivers)
     if about_angle(state):
         refit(state)

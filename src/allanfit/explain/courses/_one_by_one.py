@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.ndimage import uniform_filter1d
 
 from .._refit import evidence
 from .._state import Investigation
 from ..spectrum._model import Model
 from ._course import Course, Edge, ordinate_variance
+from ._decoded import decoded
 from ._passing import passed, passing
 from ._step_scores import StepScores, step_scores
 
@@ -25,6 +27,8 @@ LEAST = 4.0
 FEWEST = 8
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
 _CLEAR = 6.5
+# A switch is about as likely in so many places, times the square of white noise over its height.
+_PLACES = 2.2
 # Their heights differ by less, as a part, with up to so many times what noise makes of them.
 _ALIKE, _SCATTER = 0.1, 1.3
 
@@ -88,13 +92,58 @@ def seen_one_by_one(state: Investigation) -> Seen | None:
     """
     longest = max(stop - start for start, stop in state.long_pieces)
     memories = [each for each in _MEMORIES if each < longest / FEWEST]
-    found = []
+    found = [] if passing(state) is not None else _decoded(state, memories)
     for model in (state.model, *(_walking(state.model, each) for each in memories)):
         pieces = _scores(state, model)
         seen = seen_as(state, [_in_turn(piece, piece.scores) for piece in pieces])
         if seen is not None:
             found.append(seen)
     return max(found, key=lambda seen: seen.worth(state), default=None)
+
+
+def seen_along(
+    state: Investigation,
+    values: Float[np.ndarray, " samples"],
+    level: Float[np.ndarray, " samples"],
+) -> Seen | None:
+    """The switches of a path of zeros and ones, of `values` that are calm but for them."""
+    white = float(np.exp(state.model.theta[1]))
+    stretches = [slice(*piece) for piece in state.long_pieces]
+    return seen_as(state, [_between(values[at], level[at], at.start, white) for at in stretches])
+
+
+def _decoded(state: Investigation, memories: list[float]) -> list[Seen]:
+    """Likeliest paths between two levels, from what a mean over so many samples says."""
+    white = float(np.exp(state.model.theta[1]))
+    found = []
+    for memory in memories:
+        edges = []
+        for start, stop in state.long_pieces:
+            values = state.calm[start:stop]
+            mean = uniform_filter1d(values, int(memory))
+            level = (mean > np.median(mean)).astype(float)
+            level = decoded(values, level, np.count_nonzero(np.diff(level)), white)
+            edges.append(_between(values, level, start, white))
+        seen = seen_as(state, edges)
+        if seen is not None and seen.alike:
+            found.append(seen)
+    return found
+
+
+def _between(
+    values: Float[np.ndarray, " samples"],
+    level: Float[np.ndarray, " samples"],
+    start: int,
+    white: float,
+) -> Edges:
+    """The switches of a path, as tall as means before and after each say."""
+    at = np.flatnonzero(np.diff(level)) + 1
+    turns = np.sign(level[at] - level[at - 1])
+    counts = np.diff(np.concatenate([[0], at, [values.size]]))
+    means = np.add.reduceat(values, np.concatenate([[0], at])) / counts
+    heights = turns * np.diff(means)
+    known = 1 / np.sqrt(white * (1 / counts[1:] + 1 / counts[:-1]))
+    return Edges(start, start + values.size, at + start, turns, heights * known, heights)
 
 
 def likely_one_by_one(state: Investigation) -> Seen | None:
@@ -107,6 +156,16 @@ def seen_again(state: Investigation, seen: Seen) -> Seen | None:
     """As `seen` beside all others, whose course came last: in the noise that they leave."""
     assert state.sized is not None
     height, edges = float(state.sized.sizes[-1]), []
+    if passing(state) is None:
+        white = float(np.exp(state.model.theta[1]))
+        for before in seen.edges:
+            values = state.calm[before.start : before.stop] + height * before.level
+            level = decoded(values, before.level, before.at.size, white)
+            edges.append(_between(values, level, before.start, white))
+        again = seen_as(state, edges)
+        if again is not None and again.alike:
+            return again
+        edges = []
     for piece, before in zip(_scores(state, state.model), seen.edges, strict=True):
         scores, places = piece.scores.copy(), np.searchsorted(piece.at, before.at)
         places = np.minimum(places, scores.size - 1)
@@ -181,5 +240,9 @@ def seen_as(
         "spread": float(1.4826 * np.median(np.abs(heights - middle)) / middle),
     }
     course = Course("random_telegraph", lambda: path[:, None], 1, shape)
-    cost = tall.size * (1 + np.log(samples / tall.size)) + np.log(samples) / 2
+    apart = np.log(samples / tall.size)
+    alike = 0.0
+    if through is None:
+        alike = np.log1p(_PLACES * np.exp(state.model.theta[1]) / middle**2)
+    cost = tall.size * (1 + apart - min(alike, apart)) + np.log(samples) / 2
     return Seen(course, edges, float(cost))

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from .._state import Investigation
 from ..spectrum._whiten import KERNEL, kernel_density, level, mode_frequency, precision, shaped
+from ._decoded import shortest
 from ._one_by_one import LEAST, Edges, Seen, seen_as
 from ._passing import passed, passing
 
@@ -61,7 +62,11 @@ def placed(state: Investigation, seen: Seen) -> Seen:
     found = seen_as(state, edges) or seen
     shown = lengths[height**2 / 2 * pulses > least]
     # Needed of the last course alone: how long levels last depends on it.
-    found.course.shape["unseen"] = min([unseen, *(shown[:1] - 0.5)])
+    unseen = min([unseen, *(shown[:1] - 0.5)])
+    if through is None:
+        dwell = seen.course.shape["samples"] / seen.course.shape["switches"]
+        unseen = min(unseen, shortest(dwell, np.exp(state.model.theta[1]) / height**2))
+    found.course.shape["unseen"] = unseen
     return found
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .._options import smooth_options, take_filter
-from .._refit import add_course, exchange_course, go_back, refit, remembered
+from .._refit import add_course, drop_courses, exchange_course, go_back, refit, remembered
 from .._state import Finding, Investigation, whitened_piece
 from ..lines._taken import take_strong_lines
 from ..spectrum import _model
@@ -11,11 +11,14 @@ from ..spectrum._structure import TERMS
 from ..strength._lasting import about_spread
 from ..values._alone import read_again
 from ..values._held_out import Gain
-from ._one_by_one import Seen, likely_one_by_one, seen_again
+from ._one_by_one import Seen, likely_one_by_one, seen_again, seen_along
+from ._passing import passing
 from ._phase import with_phase
 from ._switch_times import placed
 from ._switches import quiet
 
+# A step as tall as the levels are apart differs by such a part.
+_ALIKE = 0.35
 # The noise that switches leave is looked at so many times.
 _MOST_LOOKS = 4
 
@@ -63,6 +66,35 @@ def _place(state: Investigation, seen: Seen) -> None:
     _take_filter_again(state)
     if state.cost > cost:
         go_back(state, no_phase)
+
+
+def steps_are_switches(state: Investigation) -> bool:
+    """Whether a step is a switch that was missed, which leaves two levels; it is taken as one.
+
+    The first level may be taken for the other where the mean is another one too, as in a warm-up.
+    """
+    found = state.finding("random_telegraph")
+    names = [course.name for course in state.courses]
+    if found is None or "random_telegraph" not in names or passing(state) is not None:
+        return False
+    assert state.sized is not None
+    ends = np.cumsum([course.sizes for course in state.courses])
+    sizes = dict(zip(map(id, state.courses), state.sized.sizes[ends - 1], strict=True))
+    telegraph = state.courses[names.index("random_telegraph")]
+    path, height = telegraph.draw()[:, 0], sizes[id(telegraph)]
+    for step in (course for course in state.courses if course.name == "step"):
+        times = sizes[id(step)] / height
+        level = path + np.sign(times) * step.draw()[:, 0]
+        if abs(abs(times) - 1) > _ALIKE or np.ptp(level) > 1:
+            continue
+        values = state.calm + height * path + sizes[id(step)] * step.draw()[:, 0]
+        seen = seen_along(state, values, level - level.min())
+        if seen is not None:
+            drop_courses(state, [telegraph, step])
+            add_course(state, seen.course, found)
+            _place(state, seen)
+            return True
+    return False
 
 
 def _switch_by_switch(state: Investigation) -> Seen | None:

@@ -1,0 +1,79 @@
+"""The likeliest path between two levels beside white noise and a slow baseline.
+
+Steps that stand out one by one are found without knowing how tall they are; once that is known,
+all moments together tell which level each is on (Viterbi 1967, IEEE Trans. IT 13:260).
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.fft import dct, idct
+
+# Dwells over which the baseline is smooth, moments a dwell, and the most moments of all.
+_SMOOTH, _A_DWELL, _MOST = 4.0, 32, 8192
+_ROUNDS = 4
+
+Samples = Float[np.ndarray, " samples"]
+
+
+def decoded(values: Samples, level: Samples, switches: int, white: float) -> Samples:
+    """A path of zeros and ones like `level`, but likelier.
+
+    `switches` are those of all of it, and `white` is the variance of white noise [u^2].
+    """
+    for _ in range(_ROUNDS):
+        dwell = values.size / (switches + 1)
+        if not 0 < level.mean() < 1:
+            return level
+        height = _height(values, level, white, dwell)
+        rest = values - _baseline(values - height * level, white, dwell)
+        size = max(round(dwell / _A_DWELL), values.size // _MOST, 1)
+        count = values.size // size
+        means = rest[: count * size].reshape(count, size).mean(axis=1)
+        path = _likeliest(means / height, white / size / height**2, size / dwell)
+        found = np.append(np.repeat(path, size), np.full(values.size % size, path[-1]))
+        if np.array_equal(found, level > 0):
+            break
+        level, switches = found.astype(float), int(np.count_nonzero(np.diff(path)))
+    return level
+
+
+def shortest(dwell: float, white: float) -> float:
+    """Samples of the shortest dwell that such a path has as a rule.
+
+    `white` is the variance of white noise over the square of the height.
+    """
+    return max(dwell / _A_DWELL, 4 * np.log(_A_DWELL) * white)
+
+
+def _height(values: Samples, level: Samples, white: float, dwell: float) -> float:
+    """Of the levels, beside a baseline that takes away some of them too."""
+    slow = [each - _baseline(each, white, dwell) for each in (values, level)]
+    return float(slow[0] @ slow[1] / (slow[1] @ slow[1]))
+
+
+def _baseline(values: Samples, white: float, dwell: float) -> Samples:
+    """What is slow, by the Wiener filter of a walk that rises above white noise in some dwells."""
+    order = np.arange(values.size)
+    corner = 1 / (_SMOOTH * dwell)
+    rise = (2 * np.sin(np.pi * order / (2 * values.size)) / corner) ** 2
+    return np.asarray(idct(dct(values, norm="ortho") / (1 + rise), norm="ortho"))
+
+
+def _likeliest(
+    means: Float[np.ndarray, " moments"], variance: float, leave: float
+) -> Bool[np.ndarray, " moments"]:
+    """Which moments are on the upper level of zero and one."""
+    stays, turns = np.log1p(-leave), np.log(leave)
+    costs = np.stack([means**2, (means - 1) ** 2], axis=1) / (2 * variance)
+    back = np.zeros((means.size, 2), bool)
+    low, high = 0.0, 0.0
+    for at, (of_low, of_high) in enumerate(costs.tolist()):
+        back[at] = low + stays < high + turns, high + stays < low + turns
+        down, up = max(low + stays, high + turns), max(high + stays, low + turns)
+        low, high = down - of_low, up - of_high
+    path = np.zeros(means.size, bool)
+    here = high > low
+    for at in range(means.size - 1, -1, -1):
+        path[at] = here
+        here = here != back[at, int(here)]
+    return path
