@@ -15,15 +15,13 @@ _ROUNDS = 4
 Samples = Float[np.ndarray, " samples"]
 
 
-def decoded(values: Samples, level: Samples, switches: int, white: float) -> Samples:
-    """A path of zeros and ones like `level`, but likelier.
-
-    `switches` are those of all of it, and `white` is the variance of white noise [u^2].
-    """
+def decoded(values: Samples, level: Samples, white: float) -> Samples:
+    """A path of zeros and ones like `level`, but likelier; `white` is a variance [u^2]."""
     for _ in range(_ROUNDS):
+        switches = int(np.count_nonzero(np.diff(level)))
+        if switches == 0:
+            break
         dwell = values.size / (switches + 1)
-        if not 0 < level.mean() < 1:
-            return level
         height = _height(values, level, white, dwell)
         rest = values - _baseline(values - height * level, white, dwell)
         size = max(round(dwell / _A_DWELL), values.size // _MOST, 1)
@@ -33,7 +31,7 @@ def decoded(values: Samples, level: Samples, switches: int, white: float) -> Sam
         found = np.append(np.repeat(path, size), np.full(values.size % size, path[-1]))
         if np.array_equal(found, level > 0):
             break
-        level, switches = found.astype(float), int(np.count_nonzero(np.diff(path)))
+        level = found.astype(float)
     return level
 
 
@@ -63,6 +61,8 @@ def _likeliest(
     means: Float[np.ndarray, " moments"], variance: float, leave: float
 ) -> Bool[np.ndarray, " moments"]:
     """Which moments are on the upper level of zero and one."""
+    # Of a moment as long as a dwell nothing is known.
+    leave = min(leave, 0.5)
     stays, turns = np.log1p(-leave), np.log(leave)
     costs = np.stack([means**2, (means - 1) ** 2], axis=1) / (2 * variance)
     back = np.zeros((means.size, 2), bool)

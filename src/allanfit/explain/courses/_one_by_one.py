@@ -122,7 +122,7 @@ def _decoded(state: Investigation, memories: list[float]) -> list[Seen]:
             values = state.calm[start:stop]
             mean = uniform_filter1d(values, int(memory))
             level = (mean > np.median(mean)).astype(float)
-            level = decoded(values, level, np.count_nonzero(np.diff(level)), white)
+            level = decoded(values, level, white)
             edges.append(_between(values, level, start, white))
         seen = seen_as(state, edges)
         if seen is not None and seen.alike:
@@ -152,26 +152,27 @@ def likely_one_by_one(state: Investigation) -> Seen | None:
     return seen if seen is not None and seen.worth(state) >= -np.log(state.alarm) else None
 
 
-def seen_again(state: Investigation, seen: Seen) -> Seen | None:
-    """As `seen` beside all others, whose course came last: in the noise that they leave."""
+def seen_again(state: Investigation, seen: Seen) -> list[Seen]:
+    """As `seen` beside all others, whose course came last: in the noise that they leave.
+
+    By steps in turn, and by the likeliest path beside a baseline that is smooth.
+    """
     assert state.sized is not None
     height, edges = float(state.sized.sizes[-1]), []
-    if passing(state) is None:
-        white = float(np.exp(state.model.theta[1]))
-        for before in seen.edges:
-            values = state.calm[before.start : before.stop] + height * before.level
-            level = decoded(values, before.level, before.at.size, white)
-            edges.append(_between(values, level, before.start, white))
-        again = seen_as(state, edges)
-        if again is not None and again.alike:
-            return again
-        edges = []
     for piece, before in zip(_scores(state, state.model), seen.edges, strict=True):
         scores, places = piece.scores.copy(), np.searchsorted(piece.at, before.at)
         places = np.minimum(places, scores.size - 1)
         scores[places] += before.turns * height * piece.known[places]
         edges.append(_in_turn(piece, scores))
-    return seen_as(state, edges)
+    found = [seen_as(state, edges)]
+    if passing(state) is None:
+        white, edges = float(np.exp(state.model.theta[1])), []
+        for before in seen.edges:
+            values = state.calm[before.start : before.stop] + height * before.level
+            level = decoded(values, before.level, white)
+            edges.append(_between(values, level, before.start, white))
+        found.append(seen_as(state, edges))
+    return [each for each in found if each is not None]
 
 
 def _walking(model: Model, memory: float) -> Model:

@@ -113,9 +113,10 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
     add_course(state, seen.course, found)
     _take_filter_again(state)
     for _ in range(_MOST_LOOKS):
-        again = seen_again(state, seen)
-        if again is None:
+        looks = seen_again(state, seen)
+        if not looks:
             return None
+        again = min(looks, key=lambda look: _cost_with(state, look))
         exchange_course(state, again.course)
         # Each that is seen leaves less noise to the others.
         if again.count <= seen.count:
@@ -125,6 +126,12 @@ def _switch_by_switch(state: Investigation) -> Seen | None:
     found.log_p = again.cost - found.gain / 2
     certain = again.clear and again.alike and found.log_p < np.log(state.alarm)
     return again if certain else None
+
+
+def _cost_with(state: Investigation, seen: Seen) -> float:
+    """What the record costs with these switches in place of those that came last [nats]."""
+    exchange_course(state, seen.course)
+    return state.cost / 2 + seen.cost
 
 
 def _take_filter_again(state: Investigation) -> None:
