@@ -25,8 +25,10 @@ from ._structure import (
     Kinds,
     active,
     added_density,
+    changing,
     foreign,
     held_rows,
+    late_part,
     left_of,
     shaped,
     without_droop,
@@ -214,14 +216,26 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     three = theta[:, TERMS : TERMS + EACH]
     # A filter that droops is the same program as one that does not.
     asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
-    # Of whole numbers there is nothing to climb along.
     if kinds.shaping == RUNNING_MEAN:
-        gains = _evaluated(_gains, *asked)
+        gains = _held(_evaluated(_gains, *asked), data)
+        # Of whole numbers there is nothing to climb along.
         return gains, tuple(np.zeros((len(each), EACH, each.shape[1])) for each in gains)
     if not slopes and len(theta) > TOGETHER:
-        return _evaluated(_gains, *asked), None
+        return _held(_evaluated(_gains, *asked), data), None
     derivatives, gains = _evaluated(_gain_slopes, *asked)
-    return gains, derivatives
+    return _held(gains, data), _held(derivatives, data)
+
+
+def _held(gains, data: Data):
+    """What filters do to white noise that is held after them, over what is held of all of it.
+
+    It is late as `held_rows` has it, and what changes meanwhile is less than of white noise.
+    """
+    if data.repeat == 1:
+        return gains
+    white, *others = gains
+    late = late_part(data) * white
+    return (late + np.sum(white * changing(data), axis=-1, keepdims=True), *others)
 
 
 def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: Any, samples: Any):

@@ -262,7 +262,7 @@ def held_rows(data: Data) -> Float[np.ndarray, "terms bins"]:
     held, white, p = holding(data), plain[1], 1 - 1 / data.repeat
     # A value is late by a random time. What is slow is late as through a filter, whose gain is one
     # at zero frequency; and what changes meanwhile comes and goes as fresh values do.
-    late = held * (1 - p) / (1 + p)
+    late = held * late_part(data)
     changed = np.array(
         [8 / np.pi * np.sqrt(p) / (1 + p) * np.arctanh(np.sqrt(p)), 2 * p / (1 - p**2)]
     )
@@ -280,6 +280,22 @@ def holding(data: Data) -> Float[np.ndarray, " bins"]:
     middle = np.asarray(data.bins.nodes)[:, 1]
     p = 1 - 1 / data.repeat
     return (1 - p**2) / ((1 - p) ** 2 + 4 * p * np.sin(np.pi * middle) ** 2)
+
+
+def late_part(data: Data) -> float:
+    """Of white noise that is held, the part that is late; the other changes meanwhile."""
+    p = 1 - 1 / data.repeat
+    return (1 - p) / (1 + p)
+
+
+def changing(data: Data) -> Float[np.ndarray, " bins"]:
+    """The other part, bin by bin: the mean of 1 - |H|^2, of which only short waves have much."""
+    used, part = data.bins.used, 1 - late_part(data) * holding(data)
+    middle = data.bins.frequency[used]
+    edges = np.concatenate([[0.0], (middle[1:] + middle[:-1]) / 2, [0.5]])
+    part[~used] = 0.0
+    part[used] *= np.diff(edges)
+    return part / part.sum() * (1 - late_part(data))
 
 
 def _held_angle(data: Data) -> Float[np.ndarray, " bins"]:
