@@ -48,6 +48,8 @@ class Effect:
     in_time: bool = False
     #: What is told of parameters in place of the medians of their draws.
     told: dict[str, float] = field(default_factory=dict)
+    #: How many times as large N is at low frequency, of values that are held.
+    held: float = 1.0
     #: Whether the temperature beside the sensor is known.
     felt: bool = False
 

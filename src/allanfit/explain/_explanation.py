@@ -16,7 +16,7 @@ from ..identify._fit_document import (
     finite,
     recording_document,
 )
-from ..physics import EFFECTS, held_factor, parameter_unit, unit_power
+from ..physics import EFFECTS, parameter_unit, unit_power
 from ..recording import Channel, Recording
 from ._curves import explained_curves
 from ._effect import Effect
@@ -68,9 +68,8 @@ class ChannelExplanation:
         values, deviations = terms_of(self.best)
         for effect in self.effects:
             if effect.name == "sample_hold":
-                factor = held_factor(effect.value("repeat"), "regular" in effect.parameters)
-                values[1] *= factor
-                deviations[1] *= factor
+                values[1] *= effect.held
+                deviations[1] *= effect.held
         return values, deviations
 
     @property

@@ -4,7 +4,6 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from ..physics import held_factor
 from ._effect import Effect
 from .lines._harmonics import Family
 from .values._spikes import USUAL
@@ -93,7 +92,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + (f"measures by a clock of its own, at {effect.note}, and " if effect.note else "")
             + "is read faster than it measures. N is that of the fresh values at the rate of the "
             "log; at low frequency, which is what a data sheet means and a filter that takes all "
-            f"samples meets, N is {_held(shown):.3g} times as large."
+            f"samples meets, N is {effect.held:.3g} times as large."
         ),
         "saturation": lambda: (
             "The output is clipped at "
@@ -159,10 +158,6 @@ def _followed(shown: Parameters, told: Callable[[str], str], note: str) -> str:
     if low < 0 < high:
         return f"The output follows not temperature but {square}."
     return f"The output follows temperature by {told('sensitivity')} at its mean, and {square}."
-
-
-def _held(shown: Parameters) -> float:
-    return held_factor(float(shown["repeat"]["value"]), "regular" in shown)
 
 
 def _unequal(shown: Parameters) -> str:

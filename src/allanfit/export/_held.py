@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..formatting import significant
-from ..physics import SampleHold, held_factor
+from ..physics import LowPass, SampleHold, held_factor
 from ._read import FitChannel, FitFile
 
 
@@ -16,7 +16,9 @@ def at_low_frequency(fit: FitFile) -> tuple[FitFile, list[str]]:
     for channel in fit.channels:
         held = [effect for effect in channel.effects if isinstance(effect, SampleHold)]
         if held:
-            factor = held_factor(float(held[0].repeat), held[0].regular)
+            before = next((each for each in channel.effects if isinstance(each, LowPass)), None)
+            repeat = float(held[0].repeat)
+            factor = held_factor(repeat, held[0].regular, before, channel.rate_hz)
             channels.append(_louder(channel, factor))
             said.append(
                 f"N of {channel.name} is {significant(factor)} times that of the fresh values at "

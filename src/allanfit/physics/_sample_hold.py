@@ -11,6 +11,9 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from ._effect import AbstractFilter, Parameter, Range
 from ._term import Sampling
 
+# Frequencies over which a mean over the band is taken.
+_PLACES = 2048
+
 
 class SampleHold(AbstractFilter):
     """Each fresh value fills `repeat` samples on average.
@@ -70,10 +73,23 @@ def _whole_hold(samples, cycles):
     return samples * (jnp.sinc(samples * cycles) / jnp.sinc(cycles)) ** 2
 
 
-def held_factor(repeat: float, regular: bool) -> float:
+def held_factor(
+    repeat: float, regular: bool, before: AbstractFilter | None = None, rate_hz: float = 1.0
+) -> float:
     """N at low frequency over N of the fresh values at the rate of the log, for held values.
 
     Each value counts `repeat` times for a filter that takes every sample, and one that takes fresh
     values alone has fewer of them: for both the density at low frequency is that of the hold.
+
+    With the gain |H|^2 of the mean delay, noise of a density S that is held at random has |H|^2 S
+    and, as white noise that is held, the mean of (1 - |H|^2) S over the band. Behind a filter
+    `before`, of a recording at `rate_hz`, the latter is less.
     """
-    return float(SampleHold(jnp.asarray(repeat), regular).gain(jnp.zeros(()), 1.0)) ** 0.5
+    hold = SampleHold(jnp.asarray(repeat), regular)
+    factor = float(hold.gain(jnp.zeros(()), 1.0))
+    if before is None or bool(hold._steady()):
+        return factor**0.5
+    cycles = (jnp.arange(_PLACES) + 0.5) / (2 * _PLACES)
+    late = hold.gain(cycles, 1.0) / factor
+    changing = jnp.mean((1 - late) * before.gain(cycles * rate_hz, 1 / rate_hz))
+    return float(1 + factor * changing) ** 0.5

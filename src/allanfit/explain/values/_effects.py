@@ -4,10 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...physics import held_factor
 from ...recording._checks import usable
 from .._effect import Effect
 from .._intervals import runs
 from .._state import Finding, Investigation
+from ..spectrum._structure import EACH, FILTERS, TERMS, sieve
 
 #: What is certain from the values alone is still only as certain as this, and a line.
 SURE, LINE = 0.99, 0.97
@@ -57,9 +59,17 @@ def _held(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect
     repeat = finding.detail
     values = repeat.samples + repeat.deviation * rng.standard_normal(2000)
     if state.stride == 1:
-        return [Effect("sample_hold", SURE, {}, {"repeat": values})]
-    told = {"repeat": values, "regular": np.ones(2)}
-    return [Effect("sample_hold", SURE, {}, told, note=f"{1 / dt:.5g} Hz")]
+        return [Effect("sample_hold", SURE, {}, {"repeat": values}, held=_held_of_white(state))]
+    told, held = {"repeat": values, "regular": np.ones(2)}, held_factor(repeat.samples, True)
+    return [Effect("sample_hold", SURE, {}, told, note=f"{1 / dt:.5g} Hz", held=held)]
+
+
+def _held_of_white(state: Investigation) -> float:
+    """How many times as large N is at low frequency, the filter before it considered."""
+    shaping, before = state.model.kinds.shaping, None
+    if shaping in FILTERS:
+        before = sieve(shaping, state.model.theta[TERMS : TERMS + EACH], state.data.samples)
+    return held_factor(state.data.repeat, False, before)
 
 
 def _clipped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
