@@ -31,6 +31,8 @@ from ._modulation import Modulation
 # The lowest frequencies of a tile, which pass; of vibration hardly a part may be there, beside a
 # shift of the mean, which has the very lowest.
 _SLOW, _SHIFT, _SLOW_PART = 5, 2, 0.25
+# Tiles over which what passes is averaged, where vibration has slow power.
+_PASSES = 4
 # And it fills as many of a tile's frequencies: fewer are a line that comes and goes.
 _BROAD = 12
 # Neighbours whose excess is averaged, and standard deviations from which on it is one.
@@ -100,9 +102,15 @@ def vibration(
     error = np.sqrt((1 / len(there) + 1 / len(quiet)) / _TOGETHER)
     excess[excess < _CLEAR * error] = 0.0
     breadth = excess.sum() ** 2 / max(np.sum(excess**2), 1e-300)
-    if breadth < _BROAD or slow > _SLOW_PART * excess.mean():
+    if breadth < _BROAD:
         return None
-    excess[:_SLOW] = 0.0
+    if slow <= _SLOW_PART * excess.mean():
+        excess[:_SLOW] = 0.0
+    elif changing.strength is None:
+        # As of a mount that is pushed, whose vibration has power down to where it stands.
+        excess[:_SLOW] = max(slow, 0.0)
+    else:
+        return None
     power = excess * usual * density
     middle = float(power @ at / power.sum())
     width = float(np.sqrt(power @ (at - middle) ** 2 / power.sum())) / middle
@@ -183,10 +191,12 @@ def take_out(
 def _filtered_while(
     values: Samples, course: Samples, excess: Float[np.ndarray, " frequencies"]
 ) -> Samples:
-    """Where the course is one, and not where it is none."""
+    """Where the course is one, and not where it is none; what is slower than some tiles passes."""
     taps = np.fft.fftshift(np.fft.irfft(1 / np.sqrt(1 + excess))) * np.hanning(TILE + 1)[:TILE]
-    taps = np.append(taps / taps.sum(), 0.0)
-    return np.where(course > 0, oaconvolve(values, taps, mode="same"), values)
+    taps = np.append(taps * np.sqrt(1 / (1 + excess[0])) / taps.sum(), 0.0)
+    slow = uniform_filter1d(values, _PASSES * TILE) if excess[0] > 0 else 0.0
+    filtered = slow + oaconvolve(values - slow, taps, mode="same")
+    return np.where(course > 0, filtered, values)
 
 
 def _filtered(
