@@ -93,3 +93,22 @@ def test_loud_white_noise_has_its_own_size_where_quantization_rules():
     assert state.modulation.summed > 1
     column = loudness(state, state.modulation)[:, 0]
     assert column.max() - column.min() == pytest.approx(3.0, rel=0.15)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_vibration_of_a_mass_on_a_spring_leaves_n(seed):
+    """Of quality 4, with a sixteenth of its peak's power down to zero frequency, in 7 % of the time.
+
+    It was a resonance for ever, and N low by a tenth.
+    """
+    rng = np.random.default_rng(seed)
+    pole = np.exp(-0.88 / 8) * np.exp(1j * 0.88)
+    pushed = lfilter([1.0], np.poly([pole, pole.conj()]).real, rng.standard_normal(SAMPLES))
+    values = rng.standard_normal(SAMPLES) + 1e-3 * np.cumsum(rng.standard_normal(SAMPLES))
+    for start, stop in ((9_000, 12_000), (42_000, 43_500)):
+        values[start:stop] += 1.5 * (pushed / pushed.std())[start:stop]
+    state, _ = investigated(values)
+    assert n_of(state) == pytest.approx(1, abs=0.02)
+    assert not state.model.kinds.added
+    (unknown,) = state.unknown
+    assert [start for start, _ in unknown.times] == pytest.approx([9_000, 42_000], abs=600)

@@ -78,7 +78,8 @@ def _steps(steps: list[tuple]) -> list[Effect]:
     if not steps:
         return []
     heights = np.array([np.median(size) for _, size, _, _ in steps])
-    sign = np.sign(heights.sum()) or 1.0
+    # Up and down there is no one direction.
+    sign = -1.0 if np.all(heights < 0) else 1.0
     mean = sign * np.mean([np.abs(size) for _, size, _, _ in steps], axis=0)
     in_time = sorted((time, float(np.median(size))) for time, size, *_ in steps)
     lists: dict[str, list] = {"times": [time for time, _ in in_time]}

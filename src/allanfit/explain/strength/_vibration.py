@@ -111,11 +111,13 @@ def vibration(
         excess[:_SLOW] = max(slow, 0.0)
     else:
         return None
-    power = excess * usual * density
+    # What else is slow is no vibration.
+    power = (excess * usual * density)[_SLOW:]
+    at = at[_SLOW:]
     middle = float(power @ at / power.sum())
     width = float(np.sqrt(power @ (at - middle) ** 2 / power.sum())) / middle
     times = changing._replace(loud=loud)
-    found = Vibration(times, float(power.mean()), course, middle, width, state.values)
+    found = Vibration(times, float(power.sum() / excess.size), course, middle, width, state.values)
     return found, excess
 
 
