@@ -174,14 +174,17 @@ class ChannelExplanation:
         if self.verdict == "unexplained":
             bumps, unknown = [e for e in self.effects if e.name == "bump"], self.state.unknown
             nowhere = bool(bumps) and len(bumps) == sum(each.bandless for each in unknown)
-            moves = "it changes" if nowhere else "the band moves"
-            said.append(
-                "Look up what ran or moved at these times, or record again in a quiet hour: what is "
-                "gone then is not the sensor's."
-                if unknown and all(each.times for each in unknown)
-                else "Record again with another rate, filter setting or mounting, and see whether "
-                f"{moves}: that tells electronics from mechanics."
-            )
+            if unknown and all(each.times for each in unknown):
+                said.append(
+                    "Look up what ran or moved at these times, or record again in a quiet hour: "
+                    "what is gone then is not the sensor's."
+                )
+            else:
+                moves = "it changes" if nowhere else "the band moves"
+                said.append(
+                    "Record again with another rate, filter setting or mounting, and see whether "
+                    f"{moves}: that tells electronics from mechanics."
+                )
         return tuple(dict.fromkeys(said))
 
     @property
