@@ -97,7 +97,7 @@ def test_loud_white_noise_has_its_own_size_where_quantization_rules():
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_vibration_of_a_mass_on_a_spring_leaves_n(seed):
-    """Of quality 4, with a sixteenth of its peak's power down to zero frequency, in 7 % of the time.
+    """Of quality 4, with a sixteenth of its peak's power at zero frequency, in 7 % of the time.
 
     It was a resonance for ever, and N low by a tenth.
     """

@@ -54,7 +54,7 @@ def _baseline(values: Samples, white: float, dwell: float) -> Samples:
     order = np.arange(values.size)
     corner = 1 / (_SMOOTH * dwell)
     rise = (2 * np.sin(np.pi * order / (2 * values.size)) / corner) ** 2
-    return np.asarray(idct(dct(values, norm="ortho") / (1 + rise), norm="ortho"))
+    return np.asarray(idct(np.asarray(dct(values, norm="ortho")) / (1 + rise), norm="ortho"))
 
 
 def _likeliest(
