@@ -2,7 +2,8 @@
 
 Each is a step of its own, up and down in turn, and all are of one height. A matched filter shows
 them where the noise is known, and the chain of steps in turn that stands out most is a course with
-one size. It has to gain more than it costs to tell when each switch was.
+one size. So is the likeliest path between two levels, which needs a guess to begin with. Either has
+to gain more than it costs to tell when each switch was.
 """
 
 from typing import Any, NamedTuple
@@ -27,6 +28,8 @@ LEAST = 4.0
 FEWEST = 8
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
 _CLEAR = 6.5
+# And of coarse codes it is so many.
+_CODES = 1.5
 # A switch is about as likely in so many places, times the square of white noise over its height.
 _PLACES = 2.2
 # Their heights differ by less, as a part, with up to so many times what noise makes of them.
@@ -221,6 +224,11 @@ def seen_as(
     tall = np.concatenate([each.tall for each in edges])
     if tall.size < FEWEST:
         return None
+    heights = np.concatenate([each.height for each in edges])
+    middle = np.median(heights)
+    if not state.format.normal and middle < _CODES * state.format.width:
+        # What is rounded dwells on a code, and on the next one.
+        return None
     path, through = np.zeros(state.values.size), passing(state)
     if edge is None and through is not None:
         edge = through.none
@@ -231,8 +239,6 @@ def seen_as(
     told = [each for each in edges if each.at.size]
     samples = sum(each.stop - each.start for each in told)
     clear = float(np.median(tall))
-    heights = np.concatenate([each.height for each in edges])
-    middle = np.median(heights)
     shape = {
         "switches": float(tall.size),
         "samples": float(samples),
