@@ -20,8 +20,11 @@ from ._decoded import decoded
 from ._passing import passed, passing
 from ._step_scores import StepScores, step_scores
 
-# Samples within which a walk rises above white noise, and the logarithm of no power.
+# Samples over which levels are guessed, or within which a walk rises above white noise, and the
+# logarithm of no power.
 _MEMORIES, _NO_FLICKER = (30.0, 120.0, 480.0, 1920.0, 7680.0), -100.0
+# Moments of a stretch, unless such a time has fewer.
+_MOMENTS, _A_MEMORY = 2**14, 8
 #: Standard deviations of a step that may be a switch.
 LEAST = 4.0
 #: Fewer steps in turn are steps.
@@ -90,13 +93,17 @@ def seen_one_by_one(state: Investigation) -> Seen | None:
     """The switches of a telegraph in what the model leaves, if there are steps in turn.
 
     In a model without them slow noise stands for them, beside which they are hard to see. So they
-    are sought beside others too, whose walks rise above white noise within so many samples. How
-    they were found does not matter to what they are worth.
+    are sought as the likeliest path between two levels too, or, behind a filter, beside other
+    walks. How they were found does not matter to what they are worth.
     """
     longest = max(stop - start for start, stop in state.long_pieces)
     memories = [each for each in _MEMORIES if each < longest / FEWEST]
-    found = [] if passing(state) is not None else _decoded(state, memories)
-    for model in (state.model, *(_walking(state.model, each) for each in memories)):
+    found, models = [], [state.model]
+    if passing(state) is None:
+        found = _decoded(state, memories)
+    else:
+        models += [_walking(state.model, each) for each in memories]
+    for model in models:
         pieces = _scores(state, model)
         seen = seen_as(state, [_in_turn(piece, piece.scores) for piece in pieces])
         if seen is not None:
@@ -123,10 +130,13 @@ def _decoded(state: Investigation, memories: list[float]) -> list[Seen]:
         edges = []
         for start, stop in state.long_pieces:
             values = state.calm[start:stop]
-            mean = uniform_filter1d(values, int(memory))
-            level = (mean > np.median(mean)).astype(float)
-            level = decoded(values, level, white)
-            edges.append(_between(values, level, start, white))
+            # Moments enough for dwells of that length; where each ends is found later.
+            size = min(max(values.size // _MOMENTS, 1), int(memory / _A_MEMORY))
+            moments = values[: values.size // size * size].reshape(-1, size).mean(axis=1)
+            mean = uniform_filter1d(moments, max(round(memory / size), 1))
+            level = decoded(moments, (mean > np.median(mean)).astype(float), white / size)
+            whole = np.pad(np.repeat(level, size), (0, values.size % size), mode="edge")
+            edges.append(_between(values, whole, start, white))
         seen = seen_as(state, edges)
         if seen is not None and seen.alike:
             found.append(seen)
