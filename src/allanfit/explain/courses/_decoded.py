@@ -22,8 +22,8 @@ def decoded(values: Samples, level: Samples, white: float) -> Samples:
         if switches == 0:
             break
         dwell = values.size / (switches + 1)
-        height = _height(values, level, white, dwell)
-        rest = values - _baseline(values - height * level, white, dwell)
+        height = _height(values, level, dwell)
+        rest = values - _baseline(values - height * level, dwell)
         size = max(round(dwell / _A_DWELL), values.size // _MOST, 1)
         count = values.size // size
         means = rest[: count * size].reshape(count, size).mean(axis=1)
@@ -43,13 +43,13 @@ def shortest(dwell: float, white: float) -> float:
     return max(dwell / _A_DWELL, 4 * np.log(_A_DWELL) * white)
 
 
-def _height(values: Samples, level: Samples, white: float, dwell: float) -> float:
+def _height(values: Samples, level: Samples, dwell: float) -> float:
     """Of the levels, beside a baseline that takes away some of them too."""
-    slow = [each - _baseline(each, white, dwell) for each in (values, level)]
+    slow = [each - _baseline(each, dwell) for each in (values, level)]
     return float(slow[0] @ slow[1] / (slow[1] @ slow[1]))
 
 
-def _baseline(values: Samples, white: float, dwell: float) -> Samples:
+def _baseline(values: Samples, dwell: float) -> Samples:
     """What is slow, by the Wiener filter of a walk that rises above white noise in some dwells."""
     order = np.arange(values.size)
     corner = 1 / (_SMOOTH * dwell)
