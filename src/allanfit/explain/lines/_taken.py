@@ -21,7 +21,7 @@ _MOST_LINES = 12
 # A peak of as few ordinates is a line until shown to be broad.
 _LINE_WIDTH = 4
 # In twice the log-likelihood.
-_STRONG = 2e4
+_STRONG = 2e3
 # Ordinates to either side that no sinusoid fills.
 _SPREAD = 32
 # Ordinates about a line within which nothing else may be.

@@ -31,8 +31,9 @@ from ._modulation import Modulation
 # The lowest frequencies of a tile, which pass; of vibration hardly a part may be there, beside a
 # shift of the mean, which has the very lowest.
 _SLOW, _SHIFT, _SLOW_PART = 5, 2, 0.25
-# Tiles over which what passes is averaged, where vibration has slow power.
-_PASSES = 4
+# Where vibration has slow power its peak is at so many times these frequencies, and what is
+# slower than so many tiles passes.
+_FAR, _PASSES = 4, 4
 # And it fills as many of a tile's frequencies: fewer are a line that comes and goes.
 _BROAD = 12
 # Neighbours whose excess is averaged, and standard deviations from which on it is one.
@@ -104,16 +105,15 @@ def vibration(
     breadth = excess.sum() ** 2 / max(np.sum(excess**2), 1e-300)
     if breadth < _BROAD:
         return None
+    # What else is slow is no vibration.
+    power, at = (excess * usual * density)[_SLOW:], at[_SLOW:]
     if slow <= _SLOW_PART * excess.mean():
         excess[:_SLOW] = 0.0
-    elif changing.strength is None:
+    elif changing.strength is None and np.argmax(power) > _FAR * _SLOW:
         # As of a mount that is pushed, whose vibration has power down to where it stands.
         excess[:_SLOW] = max(slow, 0.0)
     else:
         return None
-    # What else is slow is no vibration.
-    power = (excess * usual * density)[_SLOW:]
-    at = at[_SLOW:]
     middle = float(power @ at / power.sum())
     width = float(np.sqrt(power @ (at - middle) ** 2 / power.sum())) / middle
     times = changing._replace(loud=loud)
