@@ -124,20 +124,19 @@ def seen_along(
 
 def _decoded(state: Investigation, memories: list[float]) -> list[Seen]:
     """Likeliest paths between two levels, from what a mean over so many samples says."""
-    white = float(np.exp(state.model.theta[1]))
+    white, calm = float(np.exp(state.model.theta[1])), state.calm
     found = []
     for memory in memories:
-        edges = []
+        level = np.zeros(calm.size)
         for start, stop in state.long_pieces:
-            values = state.calm[start:stop]
+            values = calm[start:stop]
             # Moments enough for dwells of that length; where each ends is found later.
             size = min(max(values.size // _MOMENTS, 1), int(memory / _A_MEMORY))
             moments = values[: values.size // size * size].reshape(-1, size).mean(axis=1)
             mean = uniform_filter1d(moments, max(round(memory / size), 1))
-            level = decoded(moments, (mean > np.median(mean)).astype(float), white / size)
-            whole = np.pad(np.repeat(level, size), (0, values.size % size), mode="edge")
-            edges.append(_between(values, whole, start, white))
-        seen = seen_as(state, edges)
+            path = decoded(moments, (mean > np.median(mean)).astype(float), white / size)
+            level[start:stop] = np.pad(np.repeat(path, size), (0, values.size % size), mode="edge")
+        seen = seen_along(state, calm, level)
         if seen is not None and seen.alike:
             found.append(seen)
     return found
@@ -180,6 +179,7 @@ def seen_again(state: Investigation, seen: Seen) -> list[Seen]:
     found = [seen_as(state, edges)]
     if passing(state) is None:
         white, edges = float(np.exp(state.model.theta[1])), []
+        # Stretches as steps have them may end some samples early.
         for before in seen.edges:
             values = state.calm[before.start : before.stop] + height * before.level
             level = decoded(values, before.level, white)

@@ -59,10 +59,11 @@ def rails(state: Investigation) -> Rails | None:
     How strong the signal was follows from how many samples stand at a rail: rounded, from half a
     code before it on.
     """
-    at = np.array(sorted(state.format.rails))
-    used = usable(state.values, state.pieces)
+    if not state.format.rails:
+        return None
+    at, used = np.array(sorted(state.format.rails)), usable(state.values, state.pieces)
     middle = float(np.median(used))
-    if not at.size or middle in at:
+    if middle in at:
         return None
     reach = at - middle
     # In standard deviations from the mean, which is the median if there is but one rail.
