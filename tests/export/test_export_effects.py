@@ -96,6 +96,7 @@ def test_a_format_says_which_effects_it_cannot_hold(write_explained, make_channe
     [
         "digital",
         "averaged",
+        "recursive",
         "running_mean",
         "windowed",
         "last",

@@ -36,6 +36,7 @@ CONTRACT = {
         "droop",
         "digital",
         "averaged",
+        "recursive",
         "running_mean",
         "windowed",
         "last",

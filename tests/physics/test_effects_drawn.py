@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from scipy.signal import butter, cont2discrete, firwin, freqz, lfilter, sosfilt
+from scipy.signal import butter, cont2discrete, lfilter, sosfilt
 
 from allanfit.physics import (
     Bump,
@@ -214,18 +214,6 @@ def test_a_running_mean_of_samples():
         assert agrees(found, low_pass.gain, tolerance=0.1)
         plain = LowPass(low_pass.cutoff_frequency, low_pass.order, digital=True)
         assert not agrees(found, plain.gain, tolerance=0.1)
-
-
-def test_a_filter_with_a_window():
-    """SciPy's, of 41 taps under Hamming's window: |H|, and where half of the power passes."""
-    frequency = np.linspace(0, 0.5, 2001) / DT
-    for taps, edge in ((41, 0.2), (101, 0.05)):
-        found = np.abs(freqz(firwin(taps, 2 * edge), worN=frequency, fs=1 / DT)[1])
-        cutoff = np.interp(-np.sqrt(0.5), -found, frequency)
-        low_pass = LowPass(jnp.asarray(cutoff), jnp.asarray(taps - 1.0), windowed=True)
-        gain = np.asarray(eqx.filter_jit(low_pass.gain)(frequency, DT))
-        np.testing.assert_allclose(np.sqrt(gain), found, atol=0.01)
-        assert gain[0] == pytest.approx(1)
 
 
 def test_a_filter_that_droops():

@@ -20,6 +20,7 @@ from .spectrum._structure import (
     HIGH_PASS,
     NARROW,
     TERMS,
+    TWO_POLES,
     UNNAMED,
     left_of,
     shape_of,
@@ -97,12 +98,12 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     if draws.filtering is not None:
         cutoff, order, droop = draws.filtering.T
         values = {"cutoff_frequency": cutoff / dt, "order": order}
-        if kinds.shaping in DROOPING:
+        if kinds.shaping in (*TWO_POLES, *DROOPING):
             values["droop"] = droop
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
         kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
-        flags = ("digital", "averaged", "running_mean", "windowed")
+        flags = ("digital", "averaged", "recursive", "running_mean", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
         if kinds.last and any(name != "drifting_line" for name in kinds.added):
             flag["last"] = np.ones(2)

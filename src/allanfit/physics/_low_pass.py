@@ -50,12 +50,16 @@ class LowPass(AbstractFilter):
     their aliases right.
 
     A `digital` filter, in the sensor's processor, comes after the samples are taken: nothing folds,
-    and by the bilinear transform its frequencies are those of tan(pi f dt)/(pi dt). With `averaged`
-    samples are averages over their interval, whatever is said of the terms.
+    and by the bilinear transform its frequencies are those of tan(pi f dt)/(pi dt). A `recursive`
+    one is digital too, and of poles without the zeros that this transform brings, as exponential
+    averages are: its frequencies are those of sin(pi f dt). With `averaged` samples are averages
+    over their interval, whatever is said of the terms.
 
     With a `droop` d it is no Butterworth filter: |H|^2 = 1/(1 + d r^2 + (1 - d) r^(2 order)) at
     r = f/f_c. Of order 2 these are all damped oscillators; above zero the gain falls early, as
     that of Bessel filters and of several single poles does, and below zero it rises to a peak.
+    `recursive` and of order 2 these are all filters of two poles: exponential averages taken twice,
+    equal or not, and resonators.
 
     A `running_mean` is digital too, of n samples and as many times as the order says:
     |H|^2 = (sin(pi n f dt)/(n sin(pi f dt)))^(2 order), with f_c at -3 dB, which is zero at some
@@ -72,6 +76,7 @@ class LowPass(AbstractFilter):
     droop: Float[Array, ""] | None = None
     digital: bool = eqx.field(static=True, default=False)
     averaged: bool = eqx.field(static=True, default=False)
+    recursive: bool = eqx.field(static=True, default=False)
     running_mean: bool = eqx.field(static=True, default=False)
     windowed: bool = eqx.field(static=True, default=False)
     last: bool = eqx.field(static=True, default=False)
@@ -82,6 +87,7 @@ class LowPass(AbstractFilter):
         Parameter("droop", "", range=Range(-math.inf, 1.0, "1 or less")),
         Parameter("digital", "", kind="flag"),
         Parameter("averaged", "", kind="flag"),
+        Parameter("recursive", "", kind="flag"),
         Parameter("running_mean", "", kind="flag"),
         Parameter("windowed", "", kind="flag"),
         Parameter("last", "", kind="flag"),
@@ -92,7 +98,7 @@ class LowPass(AbstractFilter):
     @property
     def after_converter(self) -> bool:
         """Whether it filters samples, and with them whatever the converter added."""
-        return self.digital or self.running_mean or self.windowed
+        return self.digital or self.recursive or self.running_mean or self.windowed
 
     def gain(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
@@ -145,8 +151,9 @@ class LowPass(AbstractFilter):
                 _edge((cutoff - f) / spread + _HALF_POWER) for f in (0.0 * at, at, 1 / dt - at)
             )
             return jnp.exp(2 * (once - still)) + jnp.exp(2 * (folded - still)) + _SIDE_LOBES
-        if self.digital:
-            at, cutoff = (jnp.tan(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
+        if self.digital or self.recursive:
+            variable = jnp.sin if self.recursive else jnp.tan
+            at, cutoff = (variable(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
         # Zero frequency has no logarithm; this one passes as well. Apart from that of the cut-off,
         # it is taken once for filters of many cut-offs.
         logarithm = 2 * (jnp.log(jnp.maximum(at, _SLOWEST)) - jnp.log(cutoff))

@@ -77,6 +77,18 @@ def test_a_bessel_filter_droops_and_is_no_filter_with_lines():
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
 
 
+def test_exponential_averages_of_averages_have_poles_and_no_zeros():
+    """Two unequal poles: the response that SciPy has, and N within five of its standard errors."""
+    two = np.convolve([1, -0.6], [1, -0.8])
+    names, low_pass, state = found_in(lfilter([0.08], two, noise(6)))
+    assert names == ["low_pass"]
+    assert low_pass.recursive
+    frequency = np.linspace(0, 0.49, 50)
+    passed = np.abs(freqz([0.08], two, worN=2 * np.pi * frequency)[1]) ** 2
+    np.testing.assert_allclose(np.asarray(low_pass.gain(frequency, 1.0)), passed, rtol=0.1)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
 def test_a_steep_filter_of_finite_response_is_one_filter():
     """SciPy's equiripple half-band filter of 47 taps, and codes of a thirtieth of the noise."""
     taps = remez(47, [0, 0.2, 0.3, 0.5], [1, 0], fs=1.0)

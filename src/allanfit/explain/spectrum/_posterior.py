@@ -24,6 +24,7 @@ from ._structure import (
     FREE_FILTERS,
     RUNNING_MEAN,
     TERMS,
+    TWO_POLES,
     WINDOWED,
     Data,
     active,
@@ -41,6 +42,8 @@ _THIN = 5
 _LOST = 12.0
 # A kind of filter that is less likely is not sampled.
 _OPEN = 0.02
+# Two poles that are somewhat apart, as a free droop.
+_APART = 1.5
 _SMALLEST = float(np.log(0.05**2))
 _MOVES = [(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)]
 
@@ -88,7 +91,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
 
 
 def _filters(shaping: str, three: Float[np.ndarray, "three draws"], samples: Any):
-    droop = droop_of(three) if shaping in DROOPING else np.zeros(three.shape[1])
+    droop = droop_of(three) if shaping in (*TWO_POLES, *DROOPING) else np.zeros(three.shape[1])
     return np.stack([*shape_of(shaping, three, samples), droop], axis=1)
 
 
@@ -96,8 +99,10 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
-    alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
-    if model.kinds.shaping == WINDOWED:
+    alike = (*FREE_FILTERS, *TWO_POLES)
+    if model.kinds.shaping in DROOPING:
+        alike = DROOPING
+    elif model.kinds.shaping == WINDOWED:
         # It is far from all others.
         alike = ()
     tried = [(kind, cutoff, order) for kind in alike]
@@ -106,10 +111,12 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     starts = []
     for kind, cutoff, order in tried:
         if kind != model.kinds.shaping:
-            theta = model.theta.copy()
-            theta[TERMS : TERMS + EACH] = free_filter(
-                kind, cutoff, order, data.samples, theta[TERMS]
-            )
+            theta, droop = model.theta.copy(), model.theta[TERMS]
+            if kind in TWO_POLES:
+                order, droop = 2.0, droop or _APART
+            elif kind in FREE_FILTERS:
+                droop = 0.0
+            theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
             starts.append((model.kinds._replace(shaping=kind), theta))
     found = best(starts, data)
     means = [each for each in found if each.kinds.shaping == RUNNING_MEAN]

@@ -15,9 +15,10 @@ from ._starts import (
     filter_starts,
     filtered_last,
     highest,
+    two_pole_starts,
     windowed_starts,
 )
-from ._structure import ADDED, FREE_FILTERS, Data, Kinds, bounds
+from ._structure import ADDED, FREE_FILTERS, TWO_POLES, Data, Kinds, bounds
 
 _MOST_ADDED = 3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
@@ -49,7 +50,7 @@ def candidates(model: Model, data: Data, peaks: Peaks = ()) -> list[Candidate]:
             starts += added_starts(name, everywhere, model, data)
     if model.kinds.shaping is None:
         starts += filter_starts(model, data)
-    if model.kinds.shaping in FREE_FILTERS:
+    if model.kinds.shaping in (*FREE_FILTERS, *TWO_POLES):
         starts += droop_starts(model, data)
     starts += filtered_last(starts)
     found = _compare(_promising(starts, data, _KEPT), model, data)
@@ -131,11 +132,23 @@ def _cost(model: Model, data: Data) -> float:
 
 
 def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
-    """A filter, or at once the steeper one that it stands for: lines would be made of the rest."""
-    starts = windowed_starts(found.model, data) if found.model.kinds.filtering else []
-    steeper = min(best(starts, data), key=lambda each: each.deviance, default=None)
-    # What a resonance leaves is no matter of edges, and has its turn.
+    """A filter, or at once what it stands for: two poles, or an edge that is steeper."""
+    found = _likelier(found, two_pole_starts(found.model, data), model, data, part=1.0)
+    # Lines would be made of what a wrong edge leaves. What a resonance leaves is no matter of
+    # edges, and has its turn.
+    return _likelier(found, windowed_starts(found.model, data), model, data, part=0.5)
+
+
+def _likelier(
+    found: Candidate,
+    starts: list[tuple[Kinds, np.ndarray]],
+    model: Model,
+    data: Data,
+    part: float,
+) -> Candidate:
+    """The best of others if it leaves no more than such a part of what this one leaves."""
     bins = np.count_nonzero(data.bins.used)
-    if steeper is None or steeper.deviance - bins > (found.model.deviance - bins) / 2:
+    other = min(best(starts, data), key=lambda each: _cost(each, data), default=None)
+    if other is None or _cost(other, data) - bins > part * (_cost(found.model, data) - bins):
         return found
-    return Candidate(found.name, steeper, max(model.deviance - steeper.deviance, 0.0))
+    return Candidate(found.name, other, max(model.deviance - other.deviance, 0.0))

@@ -15,6 +15,7 @@ from ._structure import (
     HIGH_PASS,
     RUNNING_MEAN,
     TERMS,
+    TWO_POLES,
     WINDOWED,
     Data,
     Kinds,
@@ -29,6 +30,8 @@ _WEAK = 0.3
 # deviance a bin; its orders to begin with.
 _STEEP, _POOR = 3.0, 1.25
 _WINDOWS = (12.0, 36.0, 108.0)
+# To a peak and to poles apart: free droops to begin with.
+_DROOPS = (-1.0, 1.5)
 
 Start = tuple[str, Kinds, np.ndarray]
 # Narrow bands that stand out, as (frequency, half width) in cycles per sample.
@@ -54,14 +57,16 @@ def added_starts(name: str, peaks: Peaks, model: Model, data: Data) -> list[Star
         for part in sorted({much, _WEAK}) if name == "gauss_markov" else [much]:
             three[0] = np.log(part * mean[strongest] / unit[strongest])
             starts.append((name, kinds, np.concatenate([model.theta, three])))
-    if model.kinds.shaping in (*FREE_FILTERS, *DROOPING) and starts:
+    families = (FREE_FILTERS, TWO_POLES, DROOPING)
+    alike = next((each for each in families if model.kinds.shaping in each), ())
+    if starts:
         # What the filter had to bend for before may now be straight.
         best_start = starts[-1][2]
-        alike = DROOPING if model.kinds.shaping in DROOPING else FREE_FILTERS
         for kind, cutoff in itertools.product(alike, (0.15, 0.3, 0.45)):
             kinds = kinds._replace(shaping=kind)
             again = best_start.copy()
-            three = free_filter(kind, cutoff, 1.2, float(data.samples), again[TERMS])
+            order = 2.0 if kind in TWO_POLES else 1.2
+            three = free_filter(kind, cutoff, order, float(data.samples), again[TERMS])
             again[TERMS : TERMS + EACH] = three
             starts.append((name, kinds, again))
     return starts
@@ -126,11 +131,22 @@ def droop_starts(model: Model, data: Data) -> list[Start]:
     """The filter that the model has, of another shape."""
     starts = []
     cutoff, order = shaping_shape(model, data)
-    for kind, droop in itertools.product(DROOPING, (-1.0, 1.5)):
+    for kind, droop in itertools.product(DROOPING, _DROOPS):
         theta = model.theta.copy()
         theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
         starts.append(("droop", model.kinds._replace(shaping=kind), theta))
     return starts + [("droop", *start) for start in windowed_starts(model, data)]
+
+
+def two_pole_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
+    """The filter that the model has, if its order is free, as one of two poles."""
+    starts = []
+    for kind, droop in itertools.product(TWO_POLES, _DROOPS):
+        theta = model.theta.copy()
+        cutoff, _ = shaping_shape(model, data)
+        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, 2.0, data.samples, droop)
+        starts.append((model.kinds._replace(shaping=kind), theta))
+    return starts if model.kinds.shaping in FREE_FILTERS else []
 
 
 def windowed_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:

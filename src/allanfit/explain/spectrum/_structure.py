@@ -34,9 +34,13 @@ ADDED = {effect.name: effect for effect in (GaussMarkov, Resonance, PowerLaw, Dr
 #: In front of the converter, which takes values or averages, so that what passes folds; or behind
 #: it, in the sensor's processor.
 FREE_FILTERS = ("low_pass", "averaged_low_pass", "digital_low_pass")
-#: The same, with a droop.
-_DROOPING = "drooping_"
-DROOPING = tuple(_DROOPING + name for name in FREE_FILTERS)
+#: Behind it too, of poles alone. Without a droop it is a single pole, as in front of it.
+RECURSIVE = "recursive_low_pass"
+#: All of these, of two poles: of order two with a droop, and so of two free numbers as well.
+_TWO_POLES, _DROOPING = "two_pole_", "drooping_"
+TWO_POLES = tuple(_TWO_POLES + name for name in (*FREE_FILTERS, RECURSIVE))
+#: The same, of any order.
+DROOPING = tuple(_DROOPING + name for name in (*FREE_FILTERS, RECURSIVE))
 #: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
 RUNNING_MEAN = "running_mean"
 #: Behind it too, with an edge as steep as a long response makes it.
@@ -45,7 +49,7 @@ WINDOWED = "windowed_low_pass"
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
 UNNAMED = ("bump", HIGH_PASS, FLAT)
-FILTERS = (*FREE_FILTERS, *DROOPING, RUNNING_MEAN, WINDOWED)
+FILTERS = (*FREE_FILTERS, RECURSIVE, *TWO_POLES, *DROOPING, RUNNING_MEAN, WINDOWED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 TERMS = 4
@@ -88,7 +92,8 @@ class Kinds(NamedTuple):
     @property
     def angle_filtered(self) -> bool:
         """Whether quantization comes before the filter, as in a converter before a processor."""
-        return without_droop(self.shaping or "") in ("digital_low_pass", RUNNING_MEAN, WINDOWED)
+        behind = ("digital_low_pass", RECURSIVE, RUNNING_MEAN, WINDOWED)
+        return without_droop(self.shaping or "") in behind
 
 
 class Data(NamedTuple):
@@ -109,7 +114,7 @@ class Data(NamedTuple):
 
 def without_droop(shaping: str) -> str:
     """The filter of the same place that does not droop; anything else as it is."""
-    return shaping.removeprefix(_DROOPING)
+    return shaping.removeprefix(_DROOPING).removeprefix(_TWO_POLES)
 
 
 def droop_of(three: Any) -> Float[Array, "..."]:
@@ -126,6 +131,7 @@ def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
         droop=None if kind in (RUNNING_MEAN, WINDOWED) else droop_of(three),
         digital=kind == "digital_low_pass",
         averaged=kind == "averaged_low_pass",
+        recursive=kind == RECURSIVE,
         running_mean=kind == RUNNING_MEAN,
         windowed=kind == WINDOWED,
     )
@@ -144,6 +150,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "averaged_low_pass": ((0.003, 3.0), (0.7, 8.0)),
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
+        RECURSIVE: ((0.003, 0.49), (0.7, 8.0)),
         RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
@@ -318,6 +325,8 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
         # Some noises have one number for their shape; a filter has no size.
         free = [True, True, name not in ("gauss_markov", "power_law")]
         if name == "low_pass":
-            free = [kinds.shaping in DROOPING] + [kinds.shaping != RUNNING_MEAN] * 2
+            free = [kinds.shaping in (*TWO_POLES, *DROOPING)]
+            free += [kinds.shaping != RUNNING_MEAN]
+            free += [kinds.shaping not in (RUNNING_MEAN, *TWO_POLES)]
         flags += free
     return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])
