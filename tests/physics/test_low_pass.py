@@ -14,7 +14,7 @@ DT = 0.01
 def test_a_filter_with_a_window():
     """SciPy's, of 41 taps under Hamming's window: |H|, and where half of the power passes."""
     frequency = np.linspace(0, 0.5, 2001) / DT
-    for taps, edge in ((41, 0.2), (101, 0.05)):
+    for taps, edge in ((41, 0.2), (101, 0.05), (31, 0.03)):
         found = np.abs(freqz(firwin(taps, 2 * edge), worN=frequency, fs=1 / DT)[1])
         cutoff = np.interp(-np.sqrt(0.5), -found, frequency)
         low_pass = LowPass(jnp.asarray(cutoff), jnp.asarray(taps - 1.0), windowed=True)

@@ -7,6 +7,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy.special
 from jax.scipy.special import log_ndtr
 from jaxtyping import Array, Float, PRNGKeyArray
 
@@ -27,10 +28,13 @@ _NEWTON = 7
 # For that integral where there is no series, Gauss-Legendre nodes on (0, 1).
 _NODES, _WEIGHTS = (np.polynomial.legendre.leggauss(10) + np.array([[1.0], [0.0]])) / 2
 # The edge of a window of one sample like Hamming's is the normal integral at u + _TAIL u^3, with u
-# the distance from its middle over so many cycles a sample, and 0.5^0.5 there at the third number.
+# the distance from its middle over so many cycles a sample.
 # Power is within 2 % down to a five-hundredth, and within 5 % of that of Kaiser's and Blackman's
 # windows of another length.
-_SPREAD, _TAIL, _HALF_POWER = 0.746, 0.029, 0.5404
+_SPREAD, _TAIL = 0.746, 0.029
+# How far from zero such edges are of a band, in these units, whose cut-off is looked up; two that
+# are nearer leave what the window alone does.
+_EDGES = np.linspace(0.02, 3.0, 300)
 # What a window lets pass far beyond the edge.
 _SIDE_LOBES = 1e-9
 # A frequency [Hz] below all cut-offs, and what lies beyond is stopped.
@@ -66,9 +70,10 @@ class LowPass(AbstractFilter):
     frequencies.
 
     A `windowed` filter is digital and of finite response: a sinc under a window like Hamming's, as
-    long as the order plus one samples, whose edge is the integral of the window's transform,
-    within 2 %. Hamming's window stands for others by its width. It decimates, and the first image
-    of white noise folds.
+    long as the order plus one samples, whose two edges are the integral of the window's transform,
+    within 3 %. Hamming's window stands for others by its width; and where the cut-off is that of
+    the window alone, no lower one is to be had. It decimates, and the first image of white noise
+    folds.
     """
 
     cutoff_frequency: Float[Array, ""]
@@ -146,9 +151,10 @@ class LowPass(AbstractFilter):
         at, cutoff = jnp.abs(frequency), self.cutoff_frequency
         if self.windowed:
             spread = _SPREAD / (self.order + 1) / dt
+            edge = _edge_of(cutoff / spread)
             # Such filters decimate, and what passes above half the rate of what they leave folds.
             still, once, folded = (
-                _edge((cutoff - f) / spread + _HALF_POWER) for f in (0.0 * at, at, 1 / dt - at)
+                _band(f / spread, edge) for f in (jnp.zeros(()), at, 1 / dt - at)
             )
             return jnp.exp(2 * (once - still)) + jnp.exp(2 * (folded - still)) + _SIDE_LOBES
         if self.digital or self.recursive:
@@ -206,6 +212,44 @@ def _even_series(
     # A loop: written out it would be most of what is compiled of a filter.
     (last, before), _ = jax.lax.scan(step, (nothing, nothing), coefficients[:0:-1])
     return coefficients[0] + y * last - before
+
+
+def _cutoffs() -> np.ndarray:
+    """Where half of the power of a band with such `_EDGES` passes, by bisection."""
+
+    def passed(at):
+        near, far = _EDGES - at, -_EDGES - at
+        return scipy.special.ndtr(near + _TAIL * near**3) - scipy.special.ndtr(far + _TAIL * far**3)
+
+    low, high = np.zeros_like(_EDGES), _EDGES + 3.0
+    goal = np.sqrt(0.5) * passed(0.0)
+    for _ in range(50):
+        middle = (low + high) / 2
+        beyond = passed(middle) < goal
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return high
+
+
+_CUTOFFS = _cutoffs()
+
+
+def _edge_of(cutoff: Float[Array, ""]) -> Float[Array, ""]:
+    """How far from zero the edges of a band with such a cut-off are, in widths."""
+    # Further away one edge does not see the other.
+    beyond = jnp.maximum(cutoff - _CUTOFFS[-1], 0.0)
+    return jnp.interp(cutoff, _CUTOFFS, _EDGES) + beyond
+
+
+def lowest_cutoff(order: Float[Array, "..."]) -> Float[Array, "..."]:
+    """Of a `windowed` filter of such an order, in cycles per sample: that of its window alone."""
+    return _CUTOFFS[0] * _SPREAD / (order + 1)
+
+
+def _band(at: Float[Array, "*shape"], edge: Float[Array, ""]) -> Float[Array, "*shape"]:
+    """Logarithm of |H| at so many widths from zero, between two edges as far from it."""
+    upper, lower = _edge(edge - at), _edge(-edge - at)
+    # Where both are nothing the difference has no logarithm.
+    return upper + jnp.log(-jnp.expm1(jnp.minimum(lower - upper, -1e-6)))
 
 
 def _edge(at: Float[Array, "*shape"]) -> Float[Array, "*shape"]:

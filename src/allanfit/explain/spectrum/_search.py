@@ -18,7 +18,7 @@ from ._starts import (
     two_pole_starts,
     windowed_starts,
 )
-from ._structure import ADDED, FREE_FILTERS, TWO_POLES, Data, Kinds, bounds
+from ._structure import ADDED, FREE_FILTERS, RUNNING_MEAN, TWO_POLES, Data, Kinds, bounds
 
 _MOST_ADDED = 3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
@@ -135,8 +135,9 @@ def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     """A filter, or at once what it stands for: two poles, or an edge that is steeper."""
     found = _likelier(found, two_pole_starts(found.model, data), model, data, part=1.0)
     # Lines would be made of what a wrong edge leaves. What a resonance leaves is no matter of
-    # edges, and has its turn.
-    return _likelier(found, windowed_starts(found.model, data), model, data, part=0.5)
+    # edges, and has its turn; but no window comes near the zeros of a running mean.
+    part = 0.9 if found.model.kinds.shaping == RUNNING_MEAN else 0.5
+    return _likelier(found, windowed_starts(found.model, data), model, data, part)
 
 
 def _likelier(
@@ -149,6 +150,9 @@ def _likelier(
     """The best of others if it leaves no more than such a part of what this one leaves."""
     bins = np.count_nonzero(data.bins.used)
     other = min(best(starts, data), key=lambda each: _cost(each, data), default=None)
-    if other is None or _cost(other, data) - bins > part * (_cost(found.model, data) - bins):
+    if other is None:
+        return found
+    cost, before = _cost(other, data), _cost(found.model, data)
+    if cost > before or cost - bins > part * (before - bins):
         return found
     return Candidate(found.name, other, max(model.deviance - other.deviance, 0.0))

@@ -26,6 +26,7 @@ from ...physics import (
     LowPass,
     PowerLaw,
     Resonance,
+    lowest_cutoff,
 )
 from ._ordinates import _NODES, Bins, averaged
 
@@ -185,7 +186,10 @@ def shape_of(
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
     """The two shape parameters of an effect from its three free ones."""
     first, second = bounds(name, samples)
-    return between(three[1], *first), between(three[2], *second)
+    place, breadth = between(three[1], *first), between(three[2], *second)
+    if name == WINDOWED:
+        place = jnp.maximum(place, lowest_cutoff(breadth))
+    return place, breadth
 
 
 def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Array, " bins"]:
