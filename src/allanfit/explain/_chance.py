@@ -14,7 +14,7 @@ _SMOOTH = {
     "low_pass": (4.0, 2),
     "droop": (1.0, 1),
     "drifting_line": (15.0, 3),
-    "bump": (20.0, 3),
+    "bump": (70.0, 3),
 }
 #: Twice the log-likelihood that a parameter of a smooth effect, and a size of a course, has to pay
 #: for in the comparison of rivals.

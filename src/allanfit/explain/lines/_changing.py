@@ -10,6 +10,7 @@ from scipy.stats import gamma
 
 from .._chance import INSIDE
 from .._state import Investigation, Unknown
+from ..courses._course import Course
 from ..spectrum._narrow import Narrow, band_of, narrow_groups, narrow_noises
 from ._line_or_resonance import in_one_phase
 from ._moving import Band, moving
@@ -25,6 +26,9 @@ _SUBHARMONIC = 9.0
 # Lines of one comb lie as close, and there are as many.
 _CLOSE = 0.05
 _FEWEST_TEETH = 3
+# Sidebands are mirrored to so many ordinates; their strengths differ by so many standard errors of
+# one, and such a part. What is not seen has as many standard errors.
+_BESIDE, _ALIKE, _PART, _UNSEEN = 1.0, 4.5, 0.05, 4.0
 _FINE = 0.1
 # A swing to and fro turns at sqrt(2) times its rms.
 _TURN = 1.6
@@ -41,14 +45,51 @@ def look_at_lines(
 
 def _combs(state: Investigation) -> None:
     """Lines at equal distances within a narrow band: one line that comes and goes."""
-    lines = sorted(course.shape["frequency"] for course in state.lines)
-    group: list[float] = []
-    for line in [*lines, np.inf]:
-        if group and line > group[0] * (1 + _CLOSE):
-            if len(group) >= _FEWEST_TEETH and _even(group, state.spectrum.longest):
-                _comb(state, group)
+    samples = state.spectrum.longest
+    lines = sorted(state.lines, key=lambda line: line.shape["frequency"])
+    group: list[Course] = []
+    for line in [*lines, None]:
+        if group and (
+            line is None or line.shape["frequency"] > group[0].shape["frequency"] * (1 + _CLOSE)
+        ):
+            places = [each.shape["frequency"] for each in group]
+            strengths = [_strength(each, samples) for each in group]
+            even = len(group) >= _FEWEST_TEETH and _even(places, samples)
+            if even and _symmetric(places, strengths, samples):
+                _comb(state, places)
             group = []
-        group.append(line)
+        if line is not None:
+            group.append(line)
+
+
+def _strength(line: Course, samples: int) -> float:
+    """The amplitude of a line over its standard error, by the bound on its frequency."""
+    return float(np.sqrt(12) / (2 * np.pi * samples * line.shape["deviation"]))
+
+
+def _symmetric(lines: list[float], strengths: list[float], samples: int) -> bool:
+    """Whether strengths are alike to either side of one frequency.
+
+    Whatever the course of its strength, one line has sidebands that are. Harmonics that fold to
+    one place are as evenly spaced, but not as even in strength.
+    """
+    near = _BESIDE / samples
+    for centre in [*lines, (lines[0] + lines[-1]) / 2]:
+        mirrored = [
+            next(
+                (
+                    strengths[place]
+                    for place, other in enumerate(lines)
+                    if abs(2 * centre - line - other) < near
+                ),
+                _UNSEEN,
+            )
+            for line in lines
+        ]
+        allowed = _ALIKE + _PART * np.array(strengths)
+        if np.all(np.abs(np.array(strengths) - mirrored) < allowed):
+            return True
+    return False
 
 
 def _even(lines: list[float], samples: int) -> bool:

@@ -12,6 +12,7 @@ from ..courses import _course
 from ..courses._course import Course
 from ..spectrum._whiten import level
 from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
+from ._several import several
 
 #: Options of the scan at full resolution: peaks of few ordinates and of more.
 LINE, BAND = "line", "band"
@@ -115,6 +116,14 @@ def _take_line(
         course = _line(state, sine.frequency)
         course.shape["deviation"] = sine.frequency_deviation
         add_course(state, course, Finding("sinusoid", peak.log_p, sine.gain))
+        return
+    near = [] if same else several(white, weight, time, peak, loose)
+    for each in near:
+        course = _line(state, each.frequency)
+        course.shape["deviation"] = each.frequency_deviation
+        log_p = line_log_chance(each.gain / 2, each.frequency, samples)
+        add_course(state, course, Finding("sinusoid", log_p, each.gain))
+    if near:
         return
     # As wide as what is left beside the middle.
     spread = [abs(other.frequency - peak.frequency) + other.half_width for other in beside]
