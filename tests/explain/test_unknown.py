@@ -6,8 +6,9 @@ from scipy.signal import butter, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
-from allanfit.explain.lines._changing import _even, _pulse
+from allanfit.explain.lines._changing import _pulse
 from allanfit.explain.lines._moving import Band
+from allanfit.explain.lines._sidebands import even
 from allanfit.explain.values._held_out import of_codes, of_events, of_spikes, of_swing
 
 # The length and rate of test_explain, for one compilation.
@@ -107,8 +108,8 @@ def test_a_line_that_begins_late_is_no_change_of_the_noise(tmp_path, noise):
 
 
 def test_harmonics_and_strangers_are_no_comb():
-    assert _even([0.1, 0.1004, 0.1008, 0.1016], SAMPLES)
-    assert not _even([0.1, 0.1004, 0.1011, 0.1016], SAMPLES)
+    assert even([0.1, 0.1004, 0.1008, 0.1016], SAMPLES)
+    assert not even([0.1, 0.1004, 0.1011, 0.1016], SAMPLES)
 
 
 def test_weak_bursts_have_a_period_and_steady_noise_has_none():

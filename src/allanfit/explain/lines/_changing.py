@@ -15,6 +15,7 @@ from ..spectrum._narrow import Narrow, band_of, narrow_groups, narrow_noises
 from ._line_or_resonance import in_one_phase
 from ._moving import Band, moving
 from ._one_phase import OnePhase
+from ._sidebands import are_sidebands
 
 # Widths to either side of a line within which it moves, and within which bursts may show: whoever
 # takes in much noise hears no weak ones, and who takes in too little loses their edges.
@@ -23,13 +24,8 @@ _REACH, _REACHES = 3.0, (1.0, 2.0, 3.0)
 _TEETH_SOUGHT, _PULSED, _DEPTH = 8, 1e-5, 0.7
 # Half of its frequency is a pulse's own if so many times the power beside it is there.
 _SUBHARMONIC = 9.0
-# Lines of one comb lie as close, and there are as many.
+# Lines of one comb lie as close.
 _CLOSE = 0.05
-_FEWEST_TEETH = 3
-# Sidebands are mirrored to so many ordinates; their strengths differ by so many standard errors of
-# one, and such a part. What is not seen has as many standard errors.
-_BESIDE, _ALIKE, _PART, _UNSEEN = 1.0, 4.5, 0.05, 4.0
-_FINE = 0.1
 # A swing to and fro turns at sqrt(2) times its rms.
 _TURN = 1.6
 
@@ -54,8 +50,7 @@ def _combs(state: Investigation) -> None:
         ):
             places = [each.shape["frequency"] for each in group]
             strengths = [_strength(each, samples) for each in group]
-            even = len(group) >= _FEWEST_TEETH and _even(places, samples)
-            if even and _symmetric(places, strengths, samples):
+            if are_sidebands(places, strengths, samples):
                 _comb(state, places)
             group = []
         if line is not None:
@@ -65,39 +60,6 @@ def _combs(state: Investigation) -> None:
 def _strength(line: Course, samples: int) -> float:
     """The amplitude of a line over its standard error, by the bound on its frequency."""
     return float(np.sqrt(12) / (2 * np.pi * samples * line.shape["deviation"]))
-
-
-def _symmetric(lines: list[float], strengths: list[float], samples: int) -> bool:
-    """Whether strengths are alike to either side of one frequency.
-
-    Whatever the course of its strength, one line has sidebands that are. Harmonics that fold to
-    one place are as evenly spaced, but not as even in strength.
-    """
-    near = _BESIDE / samples
-    for centre in [*lines, (lines[0] + lines[-1]) / 2]:
-        mirrored = [
-            next(
-                (
-                    strengths[place]
-                    for place, other in enumerate(lines)
-                    if abs(2 * centre - line - other) < near
-                ),
-                _UNSEEN,
-            )
-            for line in lines
-        ]
-        allowed = _ALIKE + _PART * np.array(strengths)
-        if np.all(np.abs(np.array(strengths) - mirrored) < allowed):
-            return True
-    return False
-
-
-def _even(lines: list[float], samples: int) -> bool:
-    gaps = np.diff(lines)
-    multiples = gaps / gaps.min()
-    # Each line is known to a fraction of 1/T, and so is their distance; closer ones fit any comb.
-    slack = 0.7 / samples / gaps.min() * multiples
-    return bool(np.all(np.abs(multiples - np.round(multiples)) < slack) and slack.min() < _FINE)
 
 
 def _comb(state: Investigation, lines: list[float]) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
+from ._sidebands import FEWEST, symmetric
 
 # More lines in a band are those of one that comes and goes, or of none; nearer ones [ordinates] are
 # one line whose phase or strength changes.
@@ -14,8 +15,9 @@ _STEPS = 3
 _CHUNK = 1 << 16
 # Widths and heights of one noise band in their stead, over all that is tried.
 _WIDTHS, _HEIGHTS = 10, 40
-# By so much in log-likelihood sinusoids have to be likelier than a band of noise.
-_LIKELIER = 3.0
+# By so much in log-likelihood sinusoids have to be likelier than a band of noise, whose middle,
+# width and height cost so much: one band never tells them well.
+_LIKELIER, _BAND_COST = 3.0, 4.5
 
 
 def several(
@@ -30,7 +32,7 @@ def several(
     `time` is that of each sample, in whole steps from zero, and `weight` what a sinusoid is times
     there. What is left is scanned at a family-wise p-value of `loose`. A band of noise leaves as
     little to many sinusoids: they have to be likelier than the best such band, each less what its
-    three numbers cost.
+    three numbers cost. Sidebands of one line that swings are not several either.
     """
     samples = int(time[-1]) + 1
     even = evenly(white, time)
@@ -39,9 +41,9 @@ def several(
     while True:
         strongest = _strongest(evenly(rest, time), peak.frequency, reach)
         found = np.append(found, strongest.frequency)
-        found, rest, gains = _together(white, weight, time, found)
-        if np.diff(np.sort(found)).min(initial=np.inf) < _APART / samples:
+        if _too_near(found, samples):
             return []
+        found, rest, gains = _together(white, weight, time, found)
         left = scan(evenly(rest, time), loose)
         if not any(np.abs(found - each.frequency).min() < reach for each in left):
             break
@@ -50,14 +52,23 @@ def several(
     chances = [
         line_log_chance(gain / 2, line, samples) for gain, line in zip(gains, found, strict=True)
     ]
-    if found.size == 1 or max(chances) > np.log(loose):
+    if found.size == 1 or _too_near(found, samples) or max(chances) > np.log(loose):
+        return []
+    order = np.argsort(found)
+    strengths = list(np.sqrt(gains[order]))
+    if found.size >= FEWEST and symmetric(list(found[order]), strengths, samples):
         return []
     # Of each its frequency, amplitude and phase are known the better the stronger it is.
     cost = 1.5 * np.log(gains / 2) + np.log(2 * reach * samples)
-    if np.sum(gains / 2 - cost) < _band(even, peak.frequency, 2 * reach) + _LIKELIER:
+    noise = _band(even, peak.frequency, 2 * reach) - _BAND_COST
+    if np.sum(gains / 2 - cost) < noise + _LIKELIER:
         return []
     deviations = np.sqrt(12 / gains) / (2 * np.pi * samples)
     return [Sine(*map(float, each)) for each in zip(found, deviations, gains, strict=True)]
+
+
+def _too_near(lines: Float[np.ndarray, " lines"], samples: int) -> bool:
+    return bool(np.diff(np.sort(lines)).min(initial=np.inf) < _APART / samples)
 
 
 def _strongest(even: Float[np.ndarray, " samples"], middle: float, reach: float) -> Sine:
