@@ -98,6 +98,7 @@ def test_a_format_says_which_effects_it_cannot_hold(write_explained, make_channe
         "averaged",
         "recursive",
         "running_mean",
+        "oversampled",
         "windowed",
         "last",
         "regular",

@@ -38,6 +38,7 @@ CONTRACT = {
         "averaged",
         "recursive",
         "running_mean",
+        "oversampled",
         "windowed",
         "last",
     ],

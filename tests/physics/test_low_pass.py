@@ -45,3 +45,24 @@ def test_a_filter_of_two_poles(poles):
     )
     gain = eqx.filter_jit(low_pass.gain)(frequency / DT, DT)
     np.testing.assert_allclose(np.asarray(gain), np.abs(response) ** 2, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("length", "times"), [(1, 2), (1.5, 3), (4, 3)])
+def test_means_of_what_is_sampled_faster(length, times):
+    """A comb of integrators at 64 times the rate, by freqz of its taps, and its images folded."""
+    rate, taps = 64, round(64 * length)
+    kernel = np.array([1.0])
+    for _ in range(times):
+        kernel = np.convolve(kernel, np.ones(taps) / taps)
+    frequency = np.linspace(0, 0.5, 101)
+    images = (frequency[:, None] + np.arange(rate)) / rate
+    power = np.abs(freqz(kernel, worN=2 * np.pi * images.ravel())[1]) ** 2
+    folded = power.reshape(images.shape).sum(axis=1)
+    cutoff = np.interp(-0.5, -power.reshape(images.shape)[:, 0], frequency)
+    low_pass = LowPass(
+        jnp.asarray(cutoff / DT), jnp.asarray(float(times)), running_mean=True, oversampled=True
+    )
+    assert float(low_pass.taps(DT)) == pytest.approx(length, rel=1e-3)
+    gain = eqx.filter_jit(low_pass.gain)(frequency / DT, DT)
+    np.testing.assert_allclose(np.asarray(gain), folded / folded[0], rtol=0.01, atol=1e-7)
+    assert not low_pass.after_converter

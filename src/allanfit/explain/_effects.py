@@ -103,7 +103,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
         kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
-        flags = ("digital", "averaged", "recursive", "running_mean", "windowed")
+        flags = ("digital", "averaged", "recursive", "running_mean", "oversampled", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
         if kinds.last and any(name != "drifting_line" for name in kinds.added):
             flag["last"] = np.ones(2)
@@ -208,6 +208,8 @@ def _finite(kind: LowPass) -> str:
     if not kind.running_mean:
         return ""
     often = f", {order} times over" if order > 1 else ""
+    if kind.oversampled:
+        return f"means over {float(kind.taps(1.0)):.2g} of its samples{often}, as sigma-delta takes"
     return f"a running mean of {float(kind.taps(1.0)):.0f} samples{often}"
 
 

@@ -27,6 +27,7 @@ from ._effect_units import unit_power as unit_power
 from ._gauss_markov import GaussMarkov as GaussMarkov
 from ._low_pass import LowPass as LowPass
 from ._low_pass import lowest_cutoff as lowest_cutoff
+from ._low_pass import oversampled_gain as oversampled_gain
 from ._low_pass import running_mean_gain as running_mean_gain
 from ._model import STANDARD_TERMS as STANDARD_TERMS
 from ._model import SYMBOLS as SYMBOLS

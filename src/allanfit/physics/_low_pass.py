@@ -39,6 +39,8 @@ _EDGES = np.linspace(0.02, 3.0, 300)
 _SIDE_LOBES = 1e-9
 # A frequency [Hz] below all cut-offs, and what lies beyond is stopped.
 _SLOWEST, _STEEPEST = 1e-30, float(np.exp(80))
+# Aliases of means that are taken more than once: they fall with the fourth power.
+_FOLDS = np.arange(-8, 9)
 # A peak is no higher than the root of this.
 _LOWEST = 1e-2
 
@@ -67,7 +69,9 @@ class LowPass(AbstractFilter):
 
     A `running_mean` is digital too, of n samples and as many times as the order says:
     |H|^2 = (sin(pi n f dt)/(n sin(pi f dt)))^(2 order), with f_c at -3 dB, which is zero at some
-    frequencies.
+    frequencies. One that is `oversampled` is taken of what is sampled much faster than the log, as
+    in the sinc filters of sigma-delta converters: |H|^2 = sinc(n f dt)^(2 order), whose n need not
+    be whole, and what passes folds.
 
     A `windowed` filter is digital and of finite response: a sinc under a window like Hamming's, as
     long as the order plus one samples, whose two edges are the integral of the window's transform,
@@ -83,6 +87,7 @@ class LowPass(AbstractFilter):
     averaged: bool = eqx.field(static=True, default=False)
     recursive: bool = eqx.field(static=True, default=False)
     running_mean: bool = eqx.field(static=True, default=False)
+    oversampled: bool = eqx.field(static=True, default=False)
     windowed: bool = eqx.field(static=True, default=False)
     last: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "low_pass"
@@ -94,6 +99,7 @@ class LowPass(AbstractFilter):
         Parameter("averaged", "", kind="flag"),
         Parameter("recursive", "", kind="flag"),
         Parameter("running_mean", "", kind="flag"),
+        Parameter("oversampled", "", kind="flag"),
         Parameter("windowed", "", kind="flag"),
         Parameter("last", "", kind="flag"),
     )
@@ -103,7 +109,8 @@ class LowPass(AbstractFilter):
     @property
     def after_converter(self) -> bool:
         """Whether it filters samples, and with them whatever the converter added."""
-        return self.digital or self.recursive or self.running_mean or self.windowed
+        mean = self.running_mean and not self.oversampled
+        return self.digital or self.recursive or mean or self.windowed
 
     def gain(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
@@ -111,6 +118,8 @@ class LowPass(AbstractFilter):
         """The folded |H|^2, as a multiple of what it is at zero frequency."""
         if self.after_converter:
             return self.passed(frequency, dt)
+        if self.oversampled:
+            return oversampled_gain(frequency * dt, self.taps(dt), self.order)
         # With zero frequency as the last of them: one evaluation compiles faster than two.
         places = jnp.append(frequency.reshape(-1), 0.0)
         folded = self.folded(places, dt, "averaged" if self.averaged else sampling)
@@ -145,7 +154,10 @@ class LowPass(AbstractFilter):
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """1/(1 + (f/f_c)^(2 order)), as a logistic function: neither it nor its slope overflows."""
         if self.running_mean:
-            once = running_mean_gain(frequency * dt, self.taps(dt))
+            if self.oversampled:
+                once = jnp.sinc(self.taps(dt) * frequency * dt) ** 2
+            else:
+                once = running_mean_gain(frequency * dt, self.taps(dt))
             # A zero has no logarithm.
             return jnp.exp(self.order * jnp.log(once + 1e-18))
         at, cutoff = jnp.abs(frequency), self.cutoff_frequency
@@ -173,7 +185,9 @@ class LowPass(AbstractFilter):
         """How many samples a running mean takes, from its cut-off frequency and order."""
         turn = jnp.pi * self.cutoff_frequency * dt
         # sin(x)/x of x = n turn, where the power is one half.
-        goal = jnp.exp2(-0.5 / self.order) * jnp.sin(turn) / turn
+        goal = jnp.exp2(-0.5 / self.order)
+        if not self.oversampled:
+            goal = goal * jnp.sin(turn) / turn
         x = jnp.sqrt(6 * (1 - goal))
         for _ in range(_NEWTON):
             x = x - (jnp.sin(x) - goal * x) / (jnp.cos(x) - goal)
@@ -267,3 +281,19 @@ def running_mean_gain(
     still = turn == 0
     turn = jnp.where(still, 1.0, turn)
     return jnp.where(still, 1.0, jnp.sin(taps * turn) / (taps * jnp.sin(turn))) ** 2
+
+
+def oversampled_gain(
+    frequency: Float[Array, "..."] | np.ndarray,
+    length: Float[Array, "..."] | np.ndarray,
+    order: Float[Array, "..."] | float,
+) -> Float[Array, "..."]:
+    """|H|^2 of means over a length of so many samples, aliases and all, over that at zero."""
+
+    def folded(at):
+        image = jnp.asarray(at) + jnp.asarray(_FOLDS).reshape(-1, *(1,) * jnp.ndim(at))
+        once = jnp.square(jnp.sinc(length * image))
+        # A zero has no logarithm.
+        return jnp.sum(jnp.exp(order * jnp.log(once + 1e-18)), axis=0)
+
+    return folded(frequency) / folded(jnp.zeros_like(jnp.asarray(frequency)))

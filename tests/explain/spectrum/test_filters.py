@@ -63,6 +63,19 @@ def test_a_running_mean_is_known_by_its_zeros(taps, times):
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
 
 
+def test_the_comb_of_a_sigma_delta_converter_is_known():
+    """Means over two samples of the log, three times over, at eight times its rate."""
+    fine = np.random.default_rng(13).standard_normal(8 * (SAMPLES + 10)) * np.sqrt(8)
+    for _ in range(3):
+        fine = np.convolve(fine, np.ones(16) / 16, "valid")
+    names, low_pass, state = found_in(fine[::8])
+    assert names == ["low_pass"]
+    assert low_pass.oversampled
+    assert float(low_pass.taps(1.0)) == pytest.approx(2, abs=1e-6)
+    assert float(low_pass.order) == pytest.approx(3, abs=1e-6)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
+
+
 def test_an_average_of_two_is_that_pole_which_the_bilinear_transform_puts_there():
     """(1 + z^-1)/2 is both, with a cut-off at a quarter of the rate."""
     names, low_pass, state = found_in(np.convolve(noise(2), [0.5, 0.5], "valid"))

@@ -19,7 +19,7 @@ from ._ordinates import points
 from ._structure import (
     EACH,
     FLOOR,
-    RUNNING_MEAN,
+    MEANS,
     TERMS,
     Data,
     Kinds,
@@ -216,7 +216,7 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     three = theta[:, TERMS : TERMS + EACH]
     # A filter that droops is the same program as one that does not.
     asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
-    if kinds.shaping == RUNNING_MEAN:
+    if kinds.shaping in MEANS:
         gains = _held(_evaluated(_gains, *asked), data)
         # Of whole numbers there is nothing to climb along.
         return gains, tuple(np.zeros((len(each), EACH, each.shape[1])) for each in gains)

@@ -11,7 +11,7 @@ from ._search import Candidate
 from ._structure import (
     EACH,
     HIGH_PASS,
-    RUNNING_MEAN,
+    MEANS,
     TERMS,
     WINDOWED,
     end_leakage,
@@ -43,7 +43,7 @@ def leave_leakage(state: Investigation) -> None:
     samples, density = state.spectrum.longest, passed(frequency) + float(state.data.foreign)
     leaked = leakage(passed(LEAKAGE_GRID), frequency)
     unclean = leaked > _LEAKED * samples * density
-    if kinds.shaping != RUNNING_MEAN:
+    if kinds.shaping not in MEANS:
         # Of no other kind are the side lobes known, and of an edge each window makes its own.
         least = _EDGE if kinds.shaping == WINDOWED else LEAST / samples
         unclean |= density < least * density.max()

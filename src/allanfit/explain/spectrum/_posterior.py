@@ -22,7 +22,7 @@ from ._structure import (
     FLAT,
     FLOOR,
     FREE_FILTERS,
-    RUNNING_MEAN,
+    MEANS,
     TERMS,
     TWO_POLES,
     WINDOWED,
@@ -107,7 +107,7 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
         alike = ()
     tried = [(kind, cutoff, order) for kind in alike]
     means = {*nearest_running_means(cutoff), *running_means(data)[:2]}
-    tried += [(RUNNING_MEAN, *each) for each in sorted(means)]
+    tried += sorted(means)
     starts = []
     for kind, cutoff, order in tried:
         if kind != model.kinds.shaping:
@@ -119,8 +119,8 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
             theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
             starts.append((model.kinds._replace(shaping=kind), theta))
     found = best(starts, data)
-    means = [each for each in found if each.kinds.shaping == RUNNING_MEAN]
-    free_ones = [each for each in found if each.kinds.shaping != RUNNING_MEAN]
+    means = [each for each in found if each.kinds.shaping in MEANS]
+    free_ones = [each for each in found if each.kinds.shaping not in MEANS]
     found = free_ones + sorted(means, key=lambda each: each.deviance)[:1]
     return [each for each in found if np.isfinite(each.deviance)]
 

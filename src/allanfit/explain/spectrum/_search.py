@@ -18,7 +18,7 @@ from ._starts import (
     two_pole_starts,
     windowed_starts,
 )
-from ._structure import ADDED, FREE_FILTERS, RUNNING_MEAN, TWO_POLES, Data, Kinds, bounds
+from ._structure import ADDED, FREE_FILTERS, MEANS, TWO_POLES, Data, Kinds, bounds
 
 _MOST_ADDED = 3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
@@ -136,7 +136,7 @@ def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     found = _likelier(found, two_pole_starts(found.model, data), model, data, part=1.0)
     # Lines would be made of what a wrong edge leaves. What a resonance leaves is no matter of
     # edges, and has its turn; but no window comes near the zeros of a running mean.
-    part = 0.9 if found.model.kinds.shaping == RUNNING_MEAN else 0.5
+    part = 0.9 if found.model.kinds.shaping in MEANS else 0.5
     return _likelier(found, windowed_starts(found.model, data), model, data, part)
 
 

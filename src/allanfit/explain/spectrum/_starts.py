@@ -13,7 +13,6 @@ from ._structure import (
     FLAT,
     FREE_FILTERS,
     HIGH_PASS,
-    RUNNING_MEAN,
     TERMS,
     TWO_POLES,
     WINDOWED,
@@ -112,9 +111,9 @@ def filter_starts(model: Model, data: Data) -> list[Start]:
                 theta[1] = np.log(np.median(density[below]) / 2)
             theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
             starts.append(("low_pass", kinds, theta))
-    for cutoff, order in running_means(data):
-        three = free_filter(RUNNING_MEAN, cutoff, order, float(data.samples))
-        starts.append(("low_pass", *_shaping_start(RUNNING_MEAN, three, model)[1:]))
+    for kind, cutoff, order in running_means(data):
+        three = free_filter(kind, cutoff, order, float(data.samples))
+        starts.append(("low_pass", *_shaping_start(kind, three, model)[1:]))
     return starts
 
 

@@ -42,15 +42,17 @@ _TWO_POLES, _DROOPING = "two_pole_", "drooping_"
 TWO_POLES = tuple(_TWO_POLES + name for name in (*FREE_FILTERS, RECURSIVE))
 #: The same, of any order.
 DROOPING = tuple(_DROOPING + name for name in (*FREE_FILTERS, RECURSIVE))
-#: Behind it, of whole numbers of samples and times: its two numbers are looked up, not fitted.
-RUNNING_MEAN = "running_mean"
+#: Behind it, of whole numbers of samples and times, or in front of it, as it samples much faster:
+#: their two numbers are looked up, not fitted.
+RUNNING_MEAN, OVERSAMPLED = "running_mean", "oversampled_mean"
+MEANS = (RUNNING_MEAN, OVERSAMPLED)
 #: Behind it too, with an edge as steep as a long response makes it.
 WINDOWED = "windowed_low_pass"
 #: What has no name: a bump about one frequency, or a lack toward zero.
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
 UNNAMED = ("bump", HIGH_PASS, FLAT)
-FILTERS = (*FREE_FILTERS, RECURSIVE, *TWO_POLES, *DROOPING, RUNNING_MEAN, WINDOWED)
+FILTERS = (*FREE_FILTERS, RECURSIVE, *TWO_POLES, *DROOPING, *MEANS, WINDOWED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 TERMS = 4
@@ -129,11 +131,12 @@ def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
     return LowPass(
         *shape_of(kind, three, samples),
         # A droop of nothing too: one program serves filters that droop and those that do not.
-        droop=None if kind in (RUNNING_MEAN, WINDOWED) else droop_of(three),
+        droop=None if kind in (*MEANS, WINDOWED) else droop_of(three),
         digital=kind == "digital_low_pass",
         averaged=kind == "averaged_low_pass",
         recursive=kind == RECURSIVE,
-        running_mean=kind == RUNNING_MEAN,
+        running_mean=kind in MEANS,
+        oversampled=kind == OVERSAMPLED,
         windowed=kind == WINDOWED,
     )
 
@@ -153,6 +156,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "digital_low_pass": ((0.003, 0.49), (0.7, 8.0)),
         RECURSIVE: ((0.003, 0.49), (0.7, 8.0)),
         RUNNING_MEAN: ((0.003, 0.49), (0.7, 8.0)),
+        OVERSAMPLED: ((0.003, 0.49), (0.7, 8.0)),
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
@@ -234,10 +238,13 @@ def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[A
     middle = jnp.asarray(nodes)[:, 1]
     if shaping in FILTERS:
         found = sieve(shaping, three, samples)
-        if found.after_converter:
+        if found.after_converter or shaping == OVERSAMPLED:
             # What is before it, averaged over each bin: zeros are narrower than bins.
             passed = averaged(found.passed(jnp.asarray(nodes), 1.0))
-            return passed, passed, jnp.ones_like(middle)
+            folded = passed
+            if shaping == OVERSAMPLED:
+                folded = averaged(found.gain(jnp.asarray(nodes), 1.0))
+            return folded, passed, jnp.ones_like(middle)
         return found.gain(middle, 1.0), found.passed(middle, 1.0), jnp.ones_like(middle)
     if shaping in UNNAMED:
         high_pass = shaping == HIGH_PASS
@@ -330,7 +337,7 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
         free = [True, True, name not in ("gauss_markov", "power_law")]
         if name == "low_pass":
             free = [kinds.shaping in (*TWO_POLES, *DROOPING)]
-            free += [kinds.shaping != RUNNING_MEAN]
-            free += [kinds.shaping not in (RUNNING_MEAN, *TWO_POLES)]
+            free += [kinds.shaping not in MEANS]
+            free += [kinds.shaping not in (*MEANS, *TWO_POLES)]
         flags += free
     return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])
