@@ -26,7 +26,7 @@ from ._refit import (
     remembered,
     resize,
 )
-from ._rounds import LEEWAY, TWO, take_one
+from ._rounds import LEEWAY, take_one
 from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
@@ -302,9 +302,9 @@ def _reconsider_courses(state: Investigation) -> None:
             continue
         if len(state.courses) == 1:
             return
-        # Of two steps that are no chance together, each may be one as seldom as this.
-        two = found is not None and found.detail == TWO
-        most = np.log(state.alarm) / (2 if two else 1)
+        # Of steps that are no chance together, each may be one as seldom as this.
+        together = found.detail if found is not None and course.name == "step" else None
+        most = np.log(state.alarm) / (together or 1)
         _drop_unless(state, course, lambda gain, log_p, most=most: log_p <= most)
 
 

@@ -3,7 +3,8 @@
 from typing import Any
 
 import numpy as np
-from scipy.stats import poisson
+from scipy.special import gammaln
+from scipy.stats import gamma, poisson
 
 from ._options import DROOP, Option, smooth_option, smooth_options
 from ._refit import go_back, remembered
@@ -19,8 +20,8 @@ _STAND_INS = ("gauss_markov", "power_law")
 LEEWAY = 3.0
 # Courses that hide together with broad noise behind one random walk, if their chance is so small.
 _SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
-#: Of steps of which one alone might be chance, and two are not.
-TWO = "two"
+# Steps that are no chance together: so many, each with such a chance.
+_MOST_STEPS, _STEP_HINT = 4, float(np.log(0.3))
 
 
 def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
@@ -33,7 +34,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
     alarms = _alarms(state, found)
     if not alarms:
-        return _take_together(state, found) or _take_two_steps(state, found)
+        return _take_together(state, found) or _take_steps(state, found)
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
     if among is None and chosen.name in _STAND_INS:
@@ -79,33 +80,48 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
     return False
 
 
-def _take_two_steps(state: Investigation, found: list[Option]) -> bool:
-    """Two steps of which either may be chance, but hardly both; says whether they were taken.
+def _take_steps(state: Investigation, found: list[Option]) -> bool:
+    """Several steps of which each may be chance, but hardly all; says whether they were taken.
 
-    A bias that goes elsewhere for a while and comes back has two.
+    A bias that goes elsewhere for a while and comes back has two. Where it climbs, a random walk
+    stands for all of them, and lets none stand out before the others are taken.
     """
-    first = _strongest_step(found)
-    if first is None:
-        return False
-    kept = remembered(state)
-    first.take({})
-    second = _strongest_step(course_options(state, {}))
-    if second is not None:
-        # As many places are as unlikely by a Poisson law, and one alone had its turn.
-        weaker = max(first.log_p, second.log_p)
-        both = float(poisson.logsf(1, np.exp(weaker)) + np.log(2))
-        state.nearest = min(state.nearest, both)
-        if both < np.log(state.alarm):
-            second.take({})
-            for finding in state.findings[-2:]:
-                finding.log_p, finding.detail = both, TWO
+    kept, chances = remembered(state), []
+    while len(chances) < _MOST_STEPS:
+        step = _strongest_step(found if not chances else course_options(state, {}))
+        if step is None:
+            break
+        chances.append(step.log_p)
+        step.take({})
+        together = _together(chances)
+        state.nearest = min(state.nearest, together)
+        if together < np.log(state.alarm):
+            for finding in state.findings[-len(chances) :]:
+                finding.log_p, finding.detail = together, len(chances)
             return True
     go_back(state, kept)
     return False
 
 
+def _together(chances: list[float]) -> float:
+    """Log of the chance of as many steps, each as unlikely; one alone had its turn.
+
+    Where there is none, chances are points of a Poisson process of rate one. Two of them are as
+    small as the larger one as often as this says. Of more it is their product that tells: subsets
+    of so many are 1/k! as many as ordered ones, whose product is by Fisher's law.
+    """
+    count = len(chances)
+    if count == 2:
+        return float(poisson.logsf(1, np.exp(max(chances))) + np.log(2))
+    if count < 2:
+        return 0.0
+    product = -sum(chances)
+    by_fisher = float(gamma.logsf(product, count)) - gammaln(count + 1)
+    return float(min(0.0, by_fisher + np.log(2)))
+
+
 def _strongest_step(found: list[Option]) -> Option | None:
-    steps = [option for option in found if option.name == "step" and option.log_p < _HINT]
+    steps = [option for option in found if option.name == "step" and option.log_p < _STEP_HINT]
     return min(steps, key=lambda option: option.log_p, default=None)
 
 

@@ -70,8 +70,8 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         "step": lambda: (
             f"The mean jumps by {told('amplitude')} at {effect.lists['times'][0]:.6g} s."
             if count == 1
-            else f"The mean jumps {count} times, up or down, by {told('amplitude').lstrip('-')} on "
-            "average."
+            else f"The mean jumps {count} times, {_direction(effect)}, by "
+            f"{told('amplitude').lstrip('-')} on average."
         ),
         "outliers": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
@@ -166,6 +166,14 @@ def _unequal(shown: Parameters) -> str:
         return ""
     share, dwell = (float(shown[name]["value"]) for name in ("upper_share", "dwell_time"))
     return f": {2 * share * dwell:.3g} s at the upper, {2 * (1 - share) * dwell:.3g} s at the lower"
+
+
+def _direction(effect: Effect) -> str:
+    """Which way several steps go."""
+    heights = effect.lists["heights"]
+    if all(height > 0 for height in heights):
+        return "each time up"
+    return "each time down" if all(height < 0 for height in heights) else "up or down"
 
 
 def _height(shown: Parameters) -> float:
