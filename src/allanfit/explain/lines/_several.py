@@ -9,6 +9,8 @@ from ._sidebands import FEWEST, symmetric
 # More lines in a band are those of one that comes and goes, or of none; nearer ones [ordinates] are
 # one line whose phase or strength changes.
 _MOST, _APART = 6, 2.5
+# Lines further apart [ordinates] stand out one by one.
+_WIDEST = 400.0
 # Steps toward the frequencies of all of them together.
 _STEPS = 3
 # Samples at a time, for the sake of memory.
@@ -37,6 +39,8 @@ def several(
     samples = int(time[-1]) + 1
     even = evenly(white, time)
     reach = max(8.0, 2.5 * peak.half_width * samples) / samples
+    if reach * samples > _WIDEST:
+        return []
     found, rest = np.zeros(0), white
     while True:
         strongest = _strongest(evenly(rest, time), peak.frequency, reach)
@@ -92,7 +96,7 @@ def _together(white, weight, time, frequency: Float[np.ndarray, " lines"]):
 
     parts = [slice(begin, begin + _CHUNK) for begin in range(0, white.size, _CHUNK)]
     for step in range(_STEPS + 1):
-        sums, products = 0.0, 0.0
+        sums, products = np.zeros((4 * lines, 4 * lines)), np.zeros(4 * lines)
         for part in parts:
             each = columns(part)
             sums, products = sums + each.T @ each, products + each.T @ white[part]
