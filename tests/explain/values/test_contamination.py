@@ -13,6 +13,7 @@ from allanfit.explain.values._contamination import (
     beyond,
     contamination,
     in_units,
+    log_body,
     unseen,
 )
 
@@ -159,3 +160,10 @@ def test_few_spikes_leave_open_whether_they_are_alike():
             open_ones += len(np.unique(found.drawn_by)) == 2
     assert held.min() >= named - 4
     assert open_ones > 10
+
+
+def test_a_body_of_no_width_explains_nothing():
+    """Beyond the grid of a body that is partly uniform there is nothing, however narrow it is."""
+    values = np.random.default_rng(5).standard_normal(1000)
+    boxes = (1.0, 0.5)
+    assert np.all(log_body(values, 1e-131, boxes) < log_body(values, 1.0, boxes))

@@ -220,7 +220,7 @@ def _body(
     if not boxes:
         return normal(x)
     grid, logarithm, _ = _sum_of_uniform(boxes)
-    return np.exp(np.interp(np.abs(x), grid, logarithm, right=-_FAR))
+    return np.exp(np.interp(np.abs(x), grid, logarithm, right=-np.inf))
 
 
 @lru_cache
