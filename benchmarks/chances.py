@@ -19,11 +19,13 @@ import numpy as np
 from rich.progress import track
 
 from allanfit.curves import unit_scale
+from allanfit.explain._chance import log_chance
 from allanfit.explain._investigate import ALARM
 from allanfit.explain._options import smooth_options
 from allanfit.explain._state import begin
 from allanfit.explain.courses._options import course_options
 from allanfit.explain.lines._taken import line_options
+from allanfit.explain.spectrum._search import bumps
 from allanfit.explain.strength._lasting import about_spread
 from allanfit.explain.values._rounded import about_format
 from allanfit.identify import fit_series
@@ -53,6 +55,8 @@ def evidence(seed: int, index: int, samples: int) -> dict:
     for option in (each for each in options if np.isfinite(each.log_p)):
         old = best.get(option.name, (0.0, 0.0))
         best[option.name] = max(old[0], option.gain), min(old[1], option.log_p)
+    for bump in bumps(state.model, state.data):
+        best[bump.name] = bump.gain, log_chance(bump.name, bump.gain)
     for witness in state.witnesses:
         if witness["name"] != "lines":
             best[witness["name"]] = (0.0, float(np.log(max(witness["p_value"], 1e-300))))
