@@ -12,7 +12,7 @@ from .spectrum import _search
 from .spectrum._leakage import leave_leakage
 from .spectrum._model import rarity
 from .spectrum._search import Candidate
-from .spectrum._structure import NARROW
+from .spectrum._structure import NARROW, WINDOWED
 
 #: Another shape of a filter that is known.
 DROOP = "droop"
@@ -45,6 +45,8 @@ def smooth_option(state: Investigation, candidate: Candidate) -> Option:
         state.model = candidate.model
         if state.model.kinds.angle_filtered:
             leave_leakage(state)
+        if state.model.kinds.shaping == WINDOWED and not state.courses:
+            state.model = _search.window_again(state.model, state.data)
         if candidate.name == "low_pass":
             settle(state)
         # Another shape of a filter is no effect of its own, but of what is found already.

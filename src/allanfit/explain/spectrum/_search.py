@@ -15,10 +15,11 @@ from ._starts import (
     filter_starts,
     filtered_last,
     highest,
+    other_windows,
     two_pole_starts,
     windowed_starts,
 )
-from ._structure import ADDED, FREE_FILTERS, MEANS, TWO_POLES, Data, Kinds, bounds
+from ._structure import ADDED, FREE_FILTERS, MEANS, OVERSAMPLED, TWO_POLES, Data, Kinds, bounds
 
 _MOST_ADDED = 3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
@@ -29,6 +30,8 @@ _KEPT_BUMPS = 8
 _HOPELESS = 10.0
 # Quantization noise over white noise at the Nyquist frequency that is worth a word.
 _MUCH = 0.05
+# Deviance a bin from which on a comb of means is none.
+_GROSS = 3.0
 # A corner within such a factor of the lowest that is looked for is none.
 _LOWEST = 1.05
 
@@ -67,6 +70,12 @@ def again(found: Candidate, model: Model, data: Data) -> Candidate:
     return found._replace(model=reached, gain=max(model.deviance - reached.deviance, 0.0))
 
 
+def window_again(model: Model, data: Data) -> Model:
+    """A window at its best after other ordinates are left out, where there may be better ones."""
+    found = best([(model.kinds, model.theta), *other_windows(model, data)], data)
+    return min(found, key=lambda each: each.deviance)
+
+
 def bumps(model: Model, data: Data) -> list[Candidate]:
     """A bump, smooth or flat, or a lack toward low frequency, where nothing named helps."""
     if model.kinds.shaping is not None:
@@ -83,29 +92,45 @@ def instead(model: Model, place: int, name: str, data: Data) -> Model | None:
 
 def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     found = best([(kinds, theta) for _, kinds, theta in starts], data, rough=True)
-    leading: dict[str, Model] = {}
-    for (name, _, _), reached in zip(starts, found, strict=True):
-        if name not in leading or _cost(reached, data) < _cost(leading[name], data):
-            leading[name] = reached
+    leading: dict[tuple[str, bool], Model] = {}
+    for (name, kinds, _), reached in zip(starts, found, strict=True):
+        own = name, _looked_up(kinds)
+        if own not in leading or _cost(reached, data) < _cost(leading[own], data):
+            leading[own] = reached
+    bins = np.count_nonzero(data.bins.used)
     # Of many starts one matters, and it goes the rest of its way alone.
-    whole = [best([(rough.kinds, rough.theta)], data)[0] for rough in leading.values()]
+    whole: dict[str, Model] = {}
+    for (name, _), rough in leading.items():
+        (reached,) = best([(rough.kinds, rough.theta)], data)
+        if rough.kinds.shaping == OVERSAMPLED and reached.deviance > _GROSS * bins:
+            # It has no number to climb by, and by chance is less wrong than what can.
+            continue
+        if name not in whole or _cost(reached, data) < _cost(whole[name], data):
+            whole[name] = reached
     return [
         Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
-        for name, reached in zip(leading, whole, strict=True)
+        for name, reached in whole.items()
     ]
+
+
+def _looked_up(kinds: Kinds) -> bool:
+    """Whether its shape is, which says nothing of how far those that climb have to go."""
+    return kinds.shaping in MEANS
 
 
 def _promising(starts: list[Start], data: Data, kept: int) -> list[Start]:
     """Those of each name and kind that are ahead after a few steps, where these have led."""
     found = best([(kinds, theta) for _, kinds, theta in starts], data, _TRIAL, rough=True)
     costs = [_cost(each, data) for each in found]
-    least = {}
-    for (name, _, _), cost in zip(starts, costs, strict=True):
-        least[name] = min(cost, least.get(name, np.inf))
+    least: dict[tuple[str, bool], float] = {}
+    for (name, kinds, _), cost in zip(starts, costs, strict=True):
+        own = name, _looked_up(kinds)
+        least[own] = min(cost, least.get(own, np.inf))
     bins = np.count_nonzero(data.bins.used)
     alike: dict[tuple[str, Kinds], list[tuple[float, Model]]] = {}
     for (name, kinds, _), reached, cost in zip(starts, found, costs, strict=True):
-        if cost - bins <= _HOPELESS * max(least[name] - bins, bins):
+        ahead = least[name, _looked_up(kinds)]
+        if cost - bins <= _HOPELESS * max(ahead - bins, bins):
             alike.setdefault((name, kinds), []).append((cost, reached))
     return [
         (name, kinds, reached.theta)

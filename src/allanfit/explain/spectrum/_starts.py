@@ -11,6 +11,7 @@ from ._structure import (
     DROOPING,
     EACH,
     FLAT,
+    FLOOR,
     FREE_FILTERS,
     HIGH_PASS,
     TERMS,
@@ -29,6 +30,8 @@ _WEAK = 0.3
 # deviance a bin; its orders to begin with.
 _STEEP, _POOR = 3.0, 1.25
 _WINDOWS = (12.0, 36.0, 108.0)
+# And others beside them, once what the ends leak is left out.
+_BETWEEN, _WIDER = 20.0, (1.0, 1.25, 1.6)
 # To a peak and to poles apart: free droops to begin with.
 _DROOPS = (-1.0, 1.5)
 
@@ -157,6 +160,20 @@ def windowed_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
         theta = model.theta.copy()
         theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, taps, data.samples)
         starts.append((model.kinds._replace(shaping=WINDOWED), theta))
+    return starts
+
+
+def other_windows(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
+    """The window that the model has, of other lengths and wider, without quantization."""
+    cutoff, _ = shaping_shape(model, data)
+    starts = []
+    for wider, taps in itertools.product(_WIDER, (*_WINDOWS, _BETWEEN)):
+        theta = model.theta.copy()
+        # What another filter needed of it would make a window of half the length do.
+        theta[0] = FLOOR
+        place = min(wider * cutoff, 0.45)
+        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, place, taps, data.samples)
+        starts.append((model.kinds, theta))
     return starts
 
 
