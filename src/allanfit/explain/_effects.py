@@ -14,13 +14,12 @@ from .lines._moments import in_the_long_run
 from .lines._parts import merged
 from .spectrum._posterior import Draws
 from .spectrum._structure import (
-    DROOPING,
+    DROOPS,
     EACH,
     FLAT,
     HIGH_PASS,
     NARROW,
     TERMS,
-    TWO_POLES,
     UNNAMED,
     left_of,
     shape_of,
@@ -98,7 +97,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     if draws.filtering is not None:
         cutoff, order, droop = draws.filtering.T
         values = {"cutoff_frequency": cutoff / dt, "order": order}
-        if kinds.shaping in (*TWO_POLES, *DROOPING):
+        if kinds.shaping in DROOPS:
             values["droop"] = droop
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import gamma, poisson
+from scipy.special import factorial, gammaln
+from scipy.stats import poisson
 
 from ._options import DROOP, Option, smooth_option, smooth_options
 from ._refit import go_back, remembered
@@ -68,9 +68,7 @@ def _take_together(state: Investigation, found: list[Option]) -> bool:
         default=None,
     )
     if noise is not None:
-        product = course.log_p + noise.log_p + np.log(len(_SLOW))
-        # Of the product of two probabilities that chance makes uniform.
-        together = product + np.log1p(-product)
+        together = _of_product(course.log_p + noise.log_p + np.log(len(_SLOW)), 2)
         state.nearest = min(state.nearest, together)
         if together < np.log(state.alarm):
             state.findings[-1].log_p = together
@@ -115,9 +113,13 @@ def _together(chances: list[float]) -> float:
         return float(poisson.logsf(1, np.exp(max(chances))) + np.log(2))
     if count < 2:
         return 0.0
-    product = -sum(chances)
-    by_fisher = float(gamma.logsf(product, count)) - gammaln(count + 1)
-    return float(min(0.0, by_fisher + np.log(2)))
+    return float(min(0.0, _of_product(sum(chances), count) - gammaln(count + 1) + np.log(2)))
+
+
+def _of_product(log_product: float, count: int) -> float:
+    """Log of the chance of such a product of so many probabilities, by Fisher's law."""
+    powers = np.arange(count)
+    return float(log_product + np.log(np.sum((-log_product) ** powers / factorial(powers))))
 
 
 def _strongest_step(found: list[Option]) -> Option | None:

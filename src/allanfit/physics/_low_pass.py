@@ -296,4 +296,4 @@ def oversampled_gain(
         # A zero has no logarithm.
         return jnp.sum(jnp.exp(order * jnp.log(once + 1e-18)), axis=0)
 
-    return folded(frequency) / folded(jnp.zeros_like(jnp.asarray(frequency)))
+    return folded(frequency) / folded(jnp.zeros(()))

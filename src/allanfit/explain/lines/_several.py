@@ -41,14 +41,15 @@ def several(
     reach = max(8.0, 2.5 * peak.half_width * samples) / samples
     if reach * samples > _WIDEST:
         return []
-    found, rest = np.zeros(0), white
+    found, rest = np.zeros(0), even
     while True:
-        strongest = _strongest(evenly(rest, time), peak.frequency, reach)
+        strongest = _strongest(rest, peak.frequency, reach)
         found = np.append(found, strongest.frequency)
         if _too_near(found, samples):
             return []
-        found, rest, gains = _together(white, weight, time, found)
-        left = scan(evenly(rest, time), loose)
+        found, left_over, gains = _together(white, weight, time, found)
+        rest = evenly(left_over, time)
+        left = scan(rest, loose)
         if not any(np.abs(found - each.frequency).min() < reach for each in left):
             break
         if found.size == _MOST:

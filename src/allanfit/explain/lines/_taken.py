@@ -113,16 +113,11 @@ def _take_line(
     if again and _nearer(state, same[0], white, weight):
         return
     if alone and not beside and not same:
-        course = _line(state, sine.frequency)
-        course.shape["deviation"] = sine.frequency_deviation
-        add_course(state, course, Finding("sinusoid", peak.log_p, sine.gain))
+        _add_line(state, sine, peak.log_p)
         return
     near = [] if same else several(white, weight, time, peak, loose)
     for each in near:
-        course = _line(state, each.frequency)
-        course.shape["deviation"] = each.frequency_deviation
-        log_p = line_log_chance(each.gain / 2, each.frequency, samples)
-        add_course(state, course, Finding("sinusoid", log_p, each.gain))
+        _add_line(state, each, line_log_chance(each.gain / 2, each.frequency, samples))
     if near:
         return
     # As wide as what is left beside the middle.
@@ -135,6 +130,12 @@ def _take_line(
     # ordinates is as broad as some dozen of them, and has its turn.
     state.peaks += [other for other in peaks[1:] if other.half_width * samples > _SPREAD]
     finer_edges(state)
+
+
+def _add_line(state: Investigation, sine: Sine, log_p: float) -> None:
+    course = _line(state, sine.frequency)
+    course.shape["deviation"] = sine.frequency_deviation
+    add_course(state, course, Finding("sinusoid", log_p, sine.gain))
 
 
 def _time(state: Investigation, piece: tuple[int, int]) -> Float[np.ndarray, " samples"]:

@@ -18,6 +18,7 @@ from ._model import Model, best, rise_without
 from ._running_mean import nearest_running_means, running_means
 from ._structure import (
     DROOPING,
+    DROOPS,
     EACH,
     FLAT,
     FLOOR,
@@ -91,7 +92,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
 
 
 def _filters(shaping: str, three: Float[np.ndarray, "three draws"], samples: Any):
-    droop = droop_of(three) if shaping in (*TWO_POLES, *DROOPING) else np.zeros(three.shape[1])
+    droop = droop_of(three) if shaping in DROOPS else np.zeros(three.shape[1])
     return np.stack([*shape_of(shaping, three, samples), droop], axis=1)
 
 

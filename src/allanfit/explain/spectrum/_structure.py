@@ -42,6 +42,8 @@ _TWO_POLES, _DROOPING = "two_pole_", "drooping_"
 TWO_POLES = tuple(_TWO_POLES + name for name in (*FREE_FILTERS, RECURSIVE))
 #: The same, of any order.
 DROOPING = tuple(_DROOPING + name for name in (*FREE_FILTERS, RECURSIVE))
+#: What droops.
+DROOPS = (*TWO_POLES, *DROOPING)
 #: Behind it, of whole numbers of samples and times, or in front of it, as it samples much faster:
 #: their two numbers are looked up, not fitted.
 RUNNING_MEAN, OVERSAMPLED = "running_mean", "oversampled_mean"
@@ -52,7 +54,7 @@ WINDOWED = "windowed_low_pass"
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
 UNNAMED = ("bump", HIGH_PASS, FLAT)
-FILTERS = (*FREE_FILTERS, RECURSIVE, *TWO_POLES, *DROOPING, *MEANS, WINDOWED)
+FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 TERMS = 4
@@ -336,7 +338,7 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
         # Some noises have one number for their shape; a filter has no size.
         free = [True, True, name not in ("gauss_markov", "power_law")]
         if name == "low_pass":
-            free = [kinds.shaping in (*TWO_POLES, *DROOPING)]
+            free = [kinds.shaping in DROOPS]
             free += [kinds.shaping not in MEANS]
             free += [kinds.shaping not in (*MEANS, *TWO_POLES)]
         flags += free
