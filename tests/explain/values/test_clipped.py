@@ -28,6 +28,7 @@ def test_a_line_that_is_cut_is_told_as_it_was(amplitude, low):
             turns = other["frequency"]["value"] / 0.2213
             assert min(abs(turns - 3), abs(1 / 0.2213 - turns - 3)) < 1e-3
         lower, upper = lines[0]["amplitude"]["intervals"]["0.95"]
+        assert upper / lower < 1.06
         told.append(lines[0]["amplitude"]["value"])
         deviations.append((upper - lower) / 3.92)
     assert abs(np.mean(told) - amplitude) < 3 * np.mean(deviations) / 2
