@@ -142,6 +142,22 @@ def test_a_filter_in_the_processor_is_named_and_simulated(tmp_path):
     np.testing.assert_allclose(np.divide(*powers), 1.0, atol=0.12)
 
 
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_corner_beyond_nyquist_may_be_anywhere_there(tmp_path, seed):
+    """Of a digital filter in steps of a quarter sample, whose spectrum folds but once.
+
+    What an analogue filter of that corner folds is not it: taken at its word the second one's
+    interval ended at the sampling rate.
+    """
+    fine = np.random.default_rng(seed).standard_normal(4 * SAMPLES)
+    passed = lfilter(*butter(2, 1.3 * RATE, fs=4 * RATE), fine)[3::4]
+    (low_pass,) = explained(tmp_path, passed)["effects"]
+    assert low_pass["name"] == "low_pass"
+    low, high = low_pass["parameters"]["cutoff_frequency"]["intervals"]["0.95"]
+    assert low < 1.3 * RATE < high
+    assert "only what folds is seen" in low_pass["sentence"]
+
+
 def test_a_gauss_markov_process_is_named_modelled_and_proven(wandering):
     channel = json.loads(wandering[0].read_text())["channels"][0]
     assert channel["verdict"] == "explained"

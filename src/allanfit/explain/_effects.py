@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from ..physics import LowPass
 from ._effect import Effect
@@ -21,6 +22,7 @@ from .spectrum._structure import (
     NARROW,
     TERMS,
     UNNAMED,
+    bounds,
     left_of,
     shape_of,
     sieve,
@@ -37,6 +39,8 @@ _CUT = (
 )
 # So many wandering biases switch between two levels, before any look at the levels.
 _TELEGRAPH = 0.15
+# Cycles per sample.
+_NYQUIST = 0.5
 # Levels are held for different times if their shares differ by so many standard deviations.
 _UNEVEN = 3.0
 _MOST_TELEGRAPH = 0.96
@@ -101,6 +105,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             values["droop"] = droop
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
+        values["cutoff_frequency"] = _of_any_converter(cutoff, seed) / dt
         kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
         flags = ("digital", "averaged", "recursive", "running_mean", "oversampled", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
@@ -162,6 +167,21 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             band = (middle - 2 * width, middle + 2 * width)
             found.append(Effect("drifting_line", own, others, values, {}, band, _when(state, dt)))
     return found
+
+
+def _of_any_converter(
+    cutoff: Float[np.ndarray, " draws"], seed: int
+) -> Float[np.ndarray, " draws"]:
+    """Cut-off frequencies [cycles per sample]; what lies beyond Nyquist may lie anywhere there.
+
+    Of these only aliases are seen, and what folds depends on how a converter comes to its samples:
+    with a few values in between, averaged or not, or with steps of a digital filter, one spectrum
+    is that of corners far apart. Such draws are uniform in the logarithm, up to the highest that is
+    looked for.
+    """
+    highest = bounds("low_pass", 1.0)[0][1]
+    up = np.random.default_rng(seed).random(cutoff.size)
+    return np.where(cutoff > _NYQUIST, _NYQUIST * (highest / _NYQUIST) ** up, cutoff)
 
 
 def _when(state: Investigation, dt: float) -> str:

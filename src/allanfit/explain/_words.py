@@ -47,6 +47,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         "low_pass": lambda: (
             f"A low-pass filter at {told('cutoff_frequency')}"
             + (f", {effect.note}" if effect.note else f" of order {told('order')}")
+            + _folding(shown["cutoff_frequency"], effect.band_hz)
             + ": noise above it is missing, and N, B and K are misread without it."
         ),
         "power_law": lambda: (
@@ -142,6 +143,17 @@ def family_sentence(family: Family) -> str:
         where = ", ".join(f"{frequency:.5g}" for frequency in family.folded)
         sentence += f" Those beyond half the sampling rate fold to {where} Hz."
     return sentence
+
+
+def _folding(cutoff: dict[str, Any], band: tuple[float, float] | None) -> str:
+    """That a corner may lie beyond the Nyquist frequency, which ends the band of a filter."""
+    low, high = cutoff["intervals"].get("0.95", (0.0, 0.0))
+    if band is None or high <= band[1]:
+        return ""
+    return (
+        f", or any corner from {low:.3g} to {high:.3g} {cutoff['unit']} (of those beyond half the "
+        "sampling rate only what folds is seen)"
+    )
 
 
 def _followed(shown: Parameters, told: Callable[[str], str], note: str) -> str:
