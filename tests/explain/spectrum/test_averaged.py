@@ -1,11 +1,13 @@
 """Intervals of N where two names fit one spectrum and leave different white noise to it."""
 
 import numpy as np
+import pytest
 from scipy.signal import lfilter
 
 from allanfit.explain._investigate import investigate
 from allanfit.explain.spectrum._averaged import averaged
 from allanfit.explain.spectrum._posterior import sample_structure
+from allanfit.explain.values._effects import probabilities
 
 SAMPLES = 20_000
 
@@ -39,3 +41,25 @@ def test_a_weak_process_leaves_white_noise_as_open_as_its_name():
 def test_a_plain_process_has_its_own_draws():
     state, draws = wandering(6, 100.0, 1.0)
     assert averaged(state, draws, 1, quick=True) is draws
+
+
+def test_a_filter_that_quantization_hides_leaves_open_whether_its_noise_is_white():
+    """One pole at 0.03 of the rate, its noise of 1 a sample below it, under angle quantization.
+
+    Correlated noise beside no white noise has the same spectrum, and N is nothing then.
+    """
+    rng = np.random.default_rng(4)
+    decay = np.exp(-2 * np.pi * 0.03)
+    white, angle = rng.standard_normal((2, SAMPLES + 500))
+    values = lfilter([1 - decay], [1, -decay], white) + 2 * np.diff(angle, prepend=0.0)
+    values = values[500:]
+    state = investigate(values, ((0, SAMPLES),), "point", np.array([4.0, 0.2, 0.0, 0.0]))
+    assert state.model.kinds.filtering
+    draws = sample_structure(state.model, state.data, 1, quick=True)
+    mixed = averaged(state, draws, 1, quick=True)
+    taken = np.any(mixed.power != draws.power, axis=1)
+    own, rivals = probabilities(state.finding("low_pass"), "low_pass")
+    told = rivals["gauss_markov"] / (own + rivals["gauss_markov"])
+    assert np.mean(taken) == pytest.approx(told, abs=0.03)
+    assert 0.9 < np.sqrt(np.median(draws.power[~taken, 1])) < 1.1
+    assert np.sqrt(np.median(mixed.power[taken, 1])) < 0.3

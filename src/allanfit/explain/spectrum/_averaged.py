@@ -1,7 +1,8 @@
 """Coefficients as uncertain as the name of what is beside them.
 
 Correlated noise and a power law may fit one spectrum equally well and leave different white and
-flicker noise to it, by many standard errors of either fit.
+flicker noise to it, by many standard errors of either fit; and so may white noise behind a filter
+and correlated noise beside less of it, where quantization hides what is beyond.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ class _Rival:
 
 
 def averaged(state: Investigation, draws: Draws, seed: int, *, quick: bool) -> Draws:
-    """The draws with powers of all structures that have a rival in place of a broad noise.
+    """The draws with powers of all structures, a rival in place of a filter or broad noise as well.
 
     Each structure has as many as its odds say (Hoeting et al. 1999, Statist. Sci. 14:382, eq. 1);
     everything but `power` stays that of the structure which was named.
@@ -40,6 +41,8 @@ def averaged(state: Investigation, draws: Draws, seed: int, *, quick: bool) -> D
         if name in _BROAD
         for rival in _rivals(state, place)
     ]
+    if state.model.kinds.filtering:
+        found += _unfiltered(state)
     if not found:
         return draws
     rng = np.random.default_rng(seed)
@@ -60,6 +63,19 @@ def _some(
     power: Float[np.ndarray, "draws terms"], count: int, rng: np.random.Generator
 ) -> Float[np.ndarray, "count terms"]:
     return power[rng.choice(len(power), size=count, replace=count > len(power))]
+
+
+def _unfiltered(state: Investigation) -> list[_Rival]:
+    """A broad noise in place of the filter, as likely as it was when the filter was named."""
+    rivals, data = state.finding("low_pass").rivals, state.data
+    bare = _model.rescaled(_model.without(state.model, 0), data)
+    found = []
+    for name in _BROAD:
+        odds = np.exp((rivals.get(name, -np.inf) - rivals.get("low_pass", 0.0)) / 2)
+        rival = _search.beside(bare, name, data) if odds > _OPEN else None
+        if rival is not None:
+            found.append(_Rival(rival, float(odds)))
+    return found
 
 
 def _rivals(state: Investigation, place: int) -> list[_Rival]:

@@ -86,7 +86,12 @@ def bumps(model: Model, data: Data) -> list[Candidate]:
 def instead(model: Model, place: int, name: str, data: Data) -> Model | None:
     """The structure with another noise in place of one of `kinds.added`; it comes last of them."""
     bare = rescaled(without(model, place + (model.kinds.shaping is not None)), data)
-    found = _compare(added_starts(name, (), bare, data), bare, data)
+    return beside(bare, name, data)
+
+
+def beside(model: Model, name: str, data: Data) -> Model | None:
+    """The structure with one noise more, if the spectrum has any of it."""
+    found = _compare(added_starts(name, (), model, data), model, data)
     return found[0].model if found else None
 
 
