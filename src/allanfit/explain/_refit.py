@@ -21,6 +21,8 @@ from .spectrum._structure import EACH, MEANS, TERMS, sieve
 _NEAR_ZERO = 0.002
 # Half the degrees of freedom of a bin whose density is known to a tenth.
 _MANY = 100.0
+# Of the lowest of them, so many standard deviations are below what is expected.
+_SURE = 2.5
 # What changes when a course, or the filter that it passes, is taken, and taken back.
 _OF_COURSES = (
     "courses",
@@ -41,9 +43,10 @@ def refit(state: Investigation) -> None:
     # No more than there is: of N, or behind a filter, where five terms may see no N, anywhere.
     white = 2 * float(np.exp(state.first.theta[1]))
     bins = state.data.bins
-    many = bins.used & (np.asarray(bins.shape) > _MANY)
-    lowest = float(np.min(bins.density[many])) if many.any() else 0.0
-    most = max(0.999 * white, 0.9 * lowest)
+    shape = np.asarray(bins.shape)
+    many = bins.used & (shape > _MANY)
+    highest = bins.density[many] * (1 + _SURE / np.sqrt(shape[many]))
+    most = max(0.999 * white, float(np.min(highest)) if many.any() else 0.0)
     # Held samples hold their rounding too, as they do N: it is taken off N at the end.
     held = state.format.repeat is not None
     rounded = 0.0 if held else max(state.rounding.added, 0.0)

@@ -111,7 +111,8 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     of one square over m, whatever the distribution. So does each order of their cosine transform:
     the squares of the first J are chi-square with J degrees of freedom. Louder times that last are
     in few orders, wherever they begin, while windows as long as they would mix them with quiet
-    ones. J is halved; Bonferroni over it.
+    ones. J is halved; Bonferroni over it, the k-th from the slowest with a share of 1/k, since what
+    changes a sensor mostly lasts, and short spectra are scanned for what does not (`bursts`).
 
     Where whitening left a correlation r_k, as beside the zeros of a filter, squares of normal
     samples have the correlation r_k^2, and scatter by 1 + 2 sum r_k^2 more. Uncorrelated samples
@@ -132,19 +133,20 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     plain = correlation < _UNCORRELATED
     orders = np.asarray(dct(power - power.mean(), norm="ortho"))[1:]
     scatter = _SHORTEST_WINDOW * np.cumsum(orders**2)
-    best, at, levels = 1.0, _SHORTEST_WINDOW, 0
-    window = _SHORTEST_WINDOW
+    chances, window = [], _SHORTEST_WINDOW
     while white.size // window >= _FEWEST_WINDOWS:
         first = white.size // window - 1
         if window >= _LONG_WINDOW and plain:
             chance = float(f.sf(scatter[first - 1] / first / measured, first, freedom))
         else:
             chance = float(chi2.sf(scatter[first - 1] / one, first))
-        levels += 1
-        if chance < best:
-            best, at = chance, window
+        chances.append(chance)
         window *= 2
-    return min(1.0, best * levels), at, measured if plain else one
+    ranks = np.arange(len(chances), 0, -1)
+    shared = np.array(chances) * ranks * np.sum(1 / ranks)
+    best = int(np.argmin(shared))
+    window = _SHORTEST_WINDOW * 2**best
+    return min(1.0, float(shared[best])), window, measured if plain else one
 
 
 def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
@@ -164,6 +166,10 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     # So many independent normal samples have as certain a mean square.
     weight = float(2 * np.mean(power) ** 2 * window / variance)
     labels = _levels(power, weight)
+    if not labels.any() and p_value < _UNEVEN:
+        # That it varies is known already.
+        path, *_ = _two_levels(power, weight, (np.log(power.size) / 2,))
+        labels = path.astype(int)
     path = labels > 0
     samples = of_samples(path, window, white.size)
     quiet = loud = float(power.mean())
@@ -284,14 +290,16 @@ def _levels(power: Windows, weight: float) -> Int[np.ndarray, " windows"]:
 
 
 def _two_levels(
-    power: Float[np.ndarray, " windows"], samples: float
+    power: Float[np.ndarray, " windows"], samples: float, prices: tuple[float, ...] = ()
 ) -> tuple[Bool[np.ndarray, " windows"], float, float]:
-    """The likeliest path between two variances, and the two; begun from several ratios."""
+    """The likeliest path between two variances, and the two; begun from several ratios.
+
+    `prices` are those of a change, in the log of its odds, each tried where others leave nothing.
+    """
     mean = float(power.mean())
     best = np.zeros(power.size, bool), mean, mean
-    # Leaving a level must be worth some evidence, or noise would chop intervals up; it is asked for
-    # less where that leaves nothing.
-    for price in np.log(power.size) + np.array([2.0, 0.0]):
+    # Leaving a level must be worth some evidence, or noise would chop intervals up.
+    for price in prices or (np.log(power.size) + 2, np.log(power.size)):
         highest = _likelihood(power, mean, samples).sum()
         for excess in _EXCESSES:
             # As if a third of the time were loud.

@@ -26,11 +26,18 @@ _ROUNDS = 20
 
 
 def codes_over_noise(state: Investigation) -> float:
-    """The width of a code over the standard deviation of what was rounded."""
+    """The width of a code over the standard deviation of what was rounded.
+
+    Behind a filter it is that of noise whose neighbours differ as much as those that are logged:
+    values that hardly move within a code make errors that depend on them, however many codes they
+    cross in the end.
+    """
     width, made = state.format.width, state.rounding
-    squared = made.logged - made.added
-    if made.logged == 0:
-        squared = state.format.sigma**2 - width**2 / 12
+    logged, added = made.logged, made.added
+    if logged == 0:
+        logged, added = state.format.sigma**2, width**2 / 12
+    moved = np.diff(state.values[state.looked_at][telling(state)])
+    squared = min(logged, float(np.var(moved)) / 2) - added
     return float(width / np.sqrt(squared)) if squared > 0 else np.inf
 
 

@@ -93,7 +93,8 @@ def _rate_is_rounded(state: Investigation) -> float:
     latter, and zero as likely.
     """
     width, model = state.format.width, state.model
-    if width < _FINE * state.format.sigma:
+    if width < _FINE * state.format.sigma or model.kinds.angle_filtered:
+        # What is filtered after its angle was rounded has no codes any more.
         return 1.0
     _, covariance = log_scatter(model.theta, model.kinds, state.data)
     # Rounding an angle that moves by less than a code between samples is not quite white, and its
