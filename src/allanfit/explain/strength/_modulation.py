@@ -160,19 +160,33 @@ def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
 
 def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     """When the noise is loud and when quiet: a hidden Markov model of two variances."""
-    p_value, window, variance = uneven(white)
-    window = max(window // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
+    p_value, slowest, variance = uneven(white)
+    window = max(slowest // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
     power = local_power(white, window)
     # So many independent normal samples have as certain a mean square.
     weight = float(2 * np.mean(power) ** 2 * window / variance)
+
+    def told(path: Bool[np.ndarray, " windows"]) -> Modulation:
+        return _between_levels(white, path, window, weight, seed)._replace(p_value=p_value)
+
     labels = _levels(power, weight)
-    if not labels.any() and p_value < _UNEVEN:
-        # That it varies is known already.
+    found = told(labels > 0)
+    if p_value >= _UNEVEN:
+        return found
+    found = _with_strength(found, white, labels, weight, seed)
+    if slowest >= _LONG_WINDOW and not found.loud.any():
+        # That it varies is known already, and few changes do it.
         path, *_ = _two_levels(power, weight, (np.log(power.size) / 2,))
-        labels = path.astype(int)
-    path = labels > 0
+        found = told(path)
+    return found
+
+
+def _between_levels(
+    white: Samples, path: Bool[np.ndarray, " windows"], window: int, weight: float, seed: int
+) -> Modulation:
+    """Two levels, of the windows that are loud and of the others."""
     samples = of_samples(path, window, white.size)
-    quiet = loud = float(power.mean())
+    quiet = loud = float(local_power(white, window).mean())
     odds = None
     if path.any():
         quiet, loud = _variances(white, samples.astype(int), window)
@@ -182,8 +196,7 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     spread = np.sqrt(2 / freedom)
     log_ratio = np.log(loud / quiet) / 2
     draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
-    found = Modulation(float(np.exp(log_ratio)), draws, samples, window, p_value, odds=odds)
-    return _with_strength(found, white, labels, weight, seed) if p_value < _UNEVEN else found
+    return Modulation(float(np.exp(log_ratio)), draws, samples, window, 1.0, odds=odds)
 
 
 def of_samples(
