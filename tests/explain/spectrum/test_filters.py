@@ -189,3 +189,22 @@ def test_a_filter_that_comes_last_filters_added_noise_too():
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
     three = state.model.theta[-EACH:]
     assert float(shape_of("gauss_markov", three, float(SAMPLES))[0]) == pytest.approx(400, rel=0.4)
+
+
+@pytest.mark.parametrize(("corner", "order"), [(0.62, 4), (0.6, 5), (0.55, 4)])
+def test_a_steep_edge_beyond_nyquist_is_no_resonance_before_it(corner, order):
+    """What passes there folds onto what is before, which is then twice as strong.
+
+    At sixteen times the rate, one value in sixteen; N is what shows at low frequency.
+    """
+    fine = np.random.default_rng(order).standard_normal(16 * (SAMPLES + 50)) * 4
+    sos = butter(order, corner, fs=16, output="sos")
+    names, low_pass, state = found_in(sosfilt(sos, fine)[::16])
+    assert names == ["low_pass"]
+    assert float(low_pass.cutoff_frequency) > 0.5
+    _, response = freqz(
+        *butter(order, corner, fs=16), worN=[1e-6, *2 * np.pi * np.arange(1, 9) / 16]
+    )
+    weight = np.array([1.0] + [2.0] * 7 + [1.0])
+    folded = np.sum(weight * np.abs(response) ** 2)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(np.sqrt(folded), rel=0.03)

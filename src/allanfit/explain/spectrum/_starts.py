@@ -30,6 +30,8 @@ _WEAK = 0.3
 # deviance a bin; its orders to begin with.
 _STEEP, _POOR = 3.0, 1.25
 _WINDOWS = (12.0, 36.0, 108.0)
+# A steep edge beyond the Nyquist frequency doubles what is before that, where it folds.
+_FOLDED = (0.62, 4.5)
 # And others beside them, once what the ends leak is left out.
 _BETWEEN, _WIDER = 20.0, (1.0, 1.25, 1.6)
 # To a peak and to poles apart: free droops to begin with.
@@ -104,16 +106,18 @@ def filter_starts(model: Model, data: Data) -> list[Start]:
     """A low-pass filter of each kind, corners all over the spectrum."""
     density, used, frequency = data.bins.density, data.bins.used, data.bins.frequency
     starts = []
-    for kind, cutoff in itertools.product(FREE_FILTERS, (0.02, 0.08, 0.25, 0.48)):
-        for order in (1.0, 2.5):
-            three = free_filter(kind, cutoff, order, float(data.samples))
-            _, kinds, theta = _shaping_start(kind, three, model)
-            # White noise as it is below the cut-off, and little of what rises beyond it.
-            below = used & (frequency > cutoff / 8) & (frequency < cutoff / 2)
-            if below.any():
-                theta[1] = np.log(np.median(density[below]) / 2)
-            theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
-            starts.append(("low_pass", kinds, theta))
+    shapes = [*itertools.product((0.02, 0.08, 0.25, 0.48), (1.0, 2.5)), _FOLDED]
+    for kind, (cutoff, order) in itertools.product(FREE_FILTERS, shapes):
+        if cutoff > bounds(kind, float(data.samples))[0][1]:
+            continue
+        three = free_filter(kind, cutoff, order, float(data.samples))
+        _, kinds, theta = _shaping_start(kind, three, model)
+        # White noise as it is below the cut-off, and little of what rises beyond it.
+        below = used & (frequency > cutoff / 8) & (frequency < cutoff / 2)
+        if below.any():
+            theta[1] = np.log(np.median(density[below]) / 2)
+        theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
+        starts.append(("low_pass", kinds, theta))
     for kind, cutoff, order in running_means(data):
         three = free_filter(kind, cutoff, order, float(data.samples))
         starts.append(("low_pass", *_shaping_start(kind, three, model)[1:]))
