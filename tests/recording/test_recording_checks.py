@@ -243,6 +243,16 @@ def test_rounded_noise_has_no_rails(width):
         assert rails(x, width) == ()
 
 
+def test_counts_of_none_and_one_have_no_rails():
+    """An angle that is read faster than it turns by a code, as a laser gyro's."""
+    angle = np.cumsum(0.2 + 0.03 * np.random.default_rng(8).standard_normal(20_000))
+    counts = np.diff(np.floor(angle))
+    assert set(counts) == {0.0, 1.0}
+    assert rails(counts, 1.0) == ()
+    # Differences of what was scaled before are equal to some digits.
+    assert rails(np.diff(np.floor(angle) * 2e-6) * 200, 4e-4) == ()
+
+
 def test_codes_beside_a_wave_have_no_rails():
     """A wave stays longest where it turns, so that the last codes have many samples."""
     wave = 5 * np.sin(2 * np.pi * 0.0123 * np.arange(SIZE))

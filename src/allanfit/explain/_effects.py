@@ -21,6 +21,7 @@ from .spectrum._structure import (
     HIGH_PASS,
     NARROW,
     TERMS,
+    TWO_POLES,
     UNNAMED,
     bounds,
     left_of,
@@ -39,6 +40,8 @@ _CUT = (
 )
 # So many wandering biases switch between two levels, before any look at the levels.
 _TELEGRAPH = 0.15
+# From this droop on the second of two poles takes less than a fiftieth of the power anywhere.
+_ONE_POLE = 0.97
 # Cycles per sample.
 _NYQUIST = 0.5
 # Levels are held for different times if their shares differ by so many standard deviations.
@@ -100,11 +103,16 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     found = []
     if draws.filtering is not None:
         cutoff, order, droop = draws.filtering.T
+        if kinds.shaping in TWO_POLES:
+            # Of two poles so far apart one is not seen, and with it no droop is.
+            order = np.where((order == 2) & (droop > _ONE_POLE), 1.0, order)
         values = {"cutoff_frequency": cutoff / dt, "order": order}
         if kinds.shaping in DROOPS:
             values["droop"] = droop
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
+        if kinds.shaping in TWO_POLES and told["order"] == 1:
+            values.pop("droop")
         values["cutoff_frequency"] = _of_any_converter(cutoff, seed) / dt
         kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
         flags = ("digital", "averaged", "recursive", "running_mean", "oversampled", "windowed")

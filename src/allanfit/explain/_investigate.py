@@ -260,7 +260,9 @@ def _begin_again(
     # Where the output keeps clear of its rails they are no less there.
     rails = state.format.rails
     clipped = float(np.mean(np.isin(usable(state.values, pieces), rails)))
-    later.format = replace(later.format, rails=rails, clipped=clipped)
+    # What stands at them when something was taken off it looks held.
+    held = later.format.repeat if state.format.repeat is not None or not rails else None
+    later.format = replace(later.format, rails=rails, clipped=clipped, repeat=held)
     about_format(later)
     return later
 

@@ -259,7 +259,8 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         state.findings.append(Finding("bump", log_p, 0.0))
         state.gains["bump"] = of_swing(white, period / size)
         why = "the strength of the noise swings"
-        like = "interpolation to another rate does so"
+        by_turns = "two converters that take turns do so"
+        like = by_turns if period == 2 else "interpolation to another rate does so"
         state.unknown.append(Unknown(1 / period, 1e-3, why, period, in_time=True, like=like))
 
 

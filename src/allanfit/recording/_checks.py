@@ -26,6 +26,8 @@ _ENOUGH = 200_000
 # As many samples on one extreme value may be no chance, if they are as many times those expected,
 # and chance is less than this.
 _PILE, _HIGHER, _NO_CHANCE = 3, 3.0, 1e-4
+# What is nearer than this to an extreme value, of the whole range, is the same but for arithmetic.
+_SAME = 1e-9
 # Samples in the bin next to an extreme, at least.
 _IN_BIN = 8
 # Codes as wide as the noise cut a tail into few bins. There as many samples at the end are told by
@@ -212,6 +214,10 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     # A value that is held counts once, however long it is.
     fresh = _fresh(values)
     ends = (fresh.min(), fresh.max())
+    margin = _SAME * (ends[1] - ends[0])
+    if not np.any((fresh > ends[0] + margin) & (fresh < ends[1] - margin)):
+        # Counts of none and one are what a sensor counts so fast, and no rails.
+        return ()
     codes = [np.abs(fresh - end) / width for end in ends]
     # Of one code and less the mean itself may stand on the last.
     noisy = float(np.median(np.abs(np.diff(fresh)))) > 0.99 * width if fresh.size > 1 else False
@@ -312,7 +318,7 @@ def repeated(
     scale = changes.size / (codes.size * steps.size * 2 * bin_codes)
     near = np.count_nonzero(codes <= bin_codes) * scale
     far = np.count_nonzero((codes > bin_codes) & (codes <= 2 * bin_codes)) * scale
-    if far < 0.1 * near:
+    if far <= 0.1 * near:
         # Hardly a step of more than one code: rounding explains any number of repeats.
         return Repeats(float(repeats), float(repeats), 1.0, False)
     most = max(

@@ -1,6 +1,7 @@
 """Spectra and strengths of noise that change in the course of a record."""
 
 import numpy as np
+import pytest
 from scipy.stats import binom
 
 from allanfit.explain.strength._changing import moved_along, reshaped, reshaped_at_times, swinging
@@ -22,7 +23,7 @@ def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
     tilted = second * np.linspace(0.7, 1.3, 129)
     found = reshaped([first, tilted], flat)
     assert found is not None
-    assert found[1] < np.log(1e-6)
+    assert found[1] < np.log(1e-5)
 
 
 def test_white_noise_beside_rising_noise_is_no_other_spectrum_however_loud():
@@ -113,3 +114,18 @@ def test_a_swing_has_its_period():
         assert found is not None
         assert abs(time.size / found[0] - time.size / period) < 1
         assert found[1] < -20
+
+
+@pytest.mark.parametrize("samples", [40_000, 40_001])
+def test_two_converters_by_turns_are_a_swing_of_two_samples(samples):
+    """One a tenth as strong again in power; and noise that is as strong is none in 500 records."""
+    rng = np.random.default_rng(samples)
+    by_turns = np.where(np.arange(samples) % 2, 1.0, np.sqrt(1.1))
+    found = swinging(by_turns * rng.standard_normal(samples))
+    assert found is not None
+    assert found[0] == 2
+    assert found[1] < np.log(1e-5)
+    for _ in range(500):
+        steady = swinging(rng.standard_normal(2000))
+        assert steady is not None
+        assert steady[0] > 2 or steady[1] > np.log(1e-3)

@@ -5,7 +5,7 @@ from jaxtyping import Bool, Float, Shaped
 from scipy.stats import chi2
 
 # A swing of the noise is looked for from so many periods on, and up to a hundred short of half the
-# rate. Slower ones are courses of its strength.
+# rate, or at that. Slower ones are courses of its strength.
 _FEWEST_SWINGS, _FASTEST = 8, 100
 #: Samples of a tile.
 TILE = 256
@@ -167,6 +167,7 @@ def swinging(
     The squares of a white record are white; a periodic strength is a line among them. Periods from
     `longest` on are not looked at.
     """
+    white = white[: white.size // 2 * 2]
     squares = white**2 - np.mean(white**2)
     power = np.abs(np.fft.rfft(squares)) ** 2 / np.sum(squares**2)
     usable = np.zeros(power.size, bool)
@@ -179,4 +180,6 @@ def swinging(
     power = power / np.maximum(np.repeat(own, TILE)[: power.size], 1.0)
     at = int(np.argmax(np.where(usable, power, 0.0)))
     log_p = float(min(0.0, np.log(usable.sum()) - power[at]))
-    return white.size / at, log_p
+    # Two converters by turns are at the last ordinate, which is the square of one normal variate.
+    by_turns = float(min(0.0, np.log(usable.sum()) - power[-1] / 2))
+    return (2.0, by_turns) if by_turns < log_p else (white.size / at, log_p)
