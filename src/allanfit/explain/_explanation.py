@@ -146,6 +146,7 @@ class ChannelExplanation:
             simulated,
             self.seconds,
             self._unit,
+            resolved=np.asarray(self.best.estimate.resolved),
             doubtful=self.misfit,
         )
 

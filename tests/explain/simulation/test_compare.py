@@ -264,6 +264,26 @@ def test_a_line_of_another_size_is_told_with_both_sizes():
     assert not compared(fit, terms_of(fit), named, [weak], [], *ends)
 
 
+def test_a_term_that_may_be_none_is_no_fault_of_a_simulation_without_it():
+    """Half of the recording's N, which has as much K as its lowest band may hide."""
+    rng = np.random.default_rng(30)
+    fit = fit_series(rng.standard_normal(SAMPLES), RATE)
+    (q, n, b, _, r), errors = terms_of(fit)
+    coefficients = np.array([0.0, n / 2, 0.0, 0.0, 0.0])
+    reference = Reference(coefficients, np.zeros(5), "deg/s", "gyro", "a.yaml", "gyro_x")
+    k = n * 2 * np.pi * RATE / SAMPLES * 4
+    own = np.array([q, n, b, k, r]), np.array([errors[0], errors[1], errors[2], k / 3, errors[4]])
+    ends = [], [], SAMPLES / RATE, lambda *_: ("", 1.0)
+    blamed = [
+        {
+            entry["coefficient"]
+            for entry in compared(fit, own, reference, *ends, resolved=np.array(resolved))
+        }
+        for resolved in ([False, True, False, True, False], [False, True, False, False, False])
+    ]
+    assert blamed == [{"N", "K"}, {"N"}]
+
+
 @pytest.mark.parametrize("regular", [True, False])
 def test_held_values_have_the_n_of_a_log_that_is_not_held(tmp_path, regular):
     """The simulation does not repeat, and its N is right: nothing of N is off."""

@@ -73,6 +73,7 @@ def compared(
     seconds: float,
     unit_of: UnitOf,
     *,
+    resolved: Bool[np.ndarray, " terms"] | None = None,
     doubtful: bool = False,
 ) -> list[Mismatch]:
     """Where recording and simulation differ, strongest first.
@@ -80,7 +81,8 @@ def compared(
     The recording takes so many `seconds`; `before` is its five-term fit, and `own` are its
     coefficients beside what it was found to have beyond them, and their deviations. `found` is
     where the recording differs from five terms, and `simulated` where the simulation does, each
-    with its effect. The coefficients are `doubtful` where all that does not describe the recording.
+    with its effect. Terms that are not `resolved` may be none, as they are in a simulation without
+    them. The coefficients are `doubtful` where all that does not describe the recording.
 
     In each band the difference of the two is the sum of what their coefficients differ by, and of
     what is none of the five terms in either: whichever is the larger is the cause. Effects that
@@ -90,6 +92,8 @@ def compared(
     # Coefficients that the record does not allow to be alike.
     distance = np.abs(values - reference.coefficients)
     apart = distance > _APART * np.hypot(error, reference.deviations)
+    if resolved is not None:
+        apart &= resolved | (reference.coefficients > 0)
     if doubtful:
         apart &= distance > _DOUBTFUL_PART * np.maximum(values, reference.coefficients)
         # And a term that it has not may stand for what is left out still.
