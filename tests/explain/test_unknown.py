@@ -43,6 +43,8 @@ def noise():
             lambda x: x + 0.05 * ((TIME > 100) & (TIME < 180)) * np.sin(2 * np.pi * 7.3 * TIME),
             "one frequency and phase whose strength changes, mostly from",
         ),
+        (lambda x: np.where(np.abs(x - x.mean()) < 0.012, x.mean(), x), "a dead band"),
+        (lambda x: x * np.where(np.arange(SAMPLES) % 2, 1.3, 1.0), "two converters"),
         # Three times, and far too strong for a quarter of an ordinate to do.
         (
             lambda x: x + 0.1 * (TIME % 130 < 50) * np.sin(2 * np.pi * 7.3 * TIME),
@@ -60,6 +62,8 @@ def noise():
         "bursts of a line",
         "sweep",
         "a line that is switched on",
+        "a dead band",
+        "two converters",
         "a line that is switched on three times",
         "swing",
         "pulses",

@@ -61,6 +61,7 @@ def look_again(state: Investigation) -> None:
     look_at_lines(state, white, tracked)
     broad = _broad(state, white)
     _swing(state, _repeated(state, white, broad))
+    _dead_band(state)
     _skewed(state)
     _other_spectrum(state, broad)
     _bump_instead(state)
@@ -272,6 +273,19 @@ def _cut_by_line(state: Investigation, period: float) -> bool:
     cycles = [multiples * course.shape["frequency"] for course in state.lines]
     apart = [np.abs(np.abs(each - np.round(each)) - 1 / period).min() for each in cycles]
     return bool(min(apart, default=np.inf) < 2 / state.spectrum.longest)
+
+
+def _dead_band(state: Investigation) -> None:
+    """Values near one of them that come out as it: beside the many alike others are long tails."""
+    if state.format.dead >= np.log(state.alarm):
+        return
+    state.disowned.add("outliers")
+    state.findings.append(Finding("bump", state.format.dead, 0.0))
+    if "outliers" in state.gains:
+        state.gains["bump"] = state.gains["outliers"]
+    why = "values within a dead band come out as one, and take noise with them"
+    like = "a threshold below which a rate counts as rest does so, and is to be switched off"
+    state.unknown.append(Unknown(_WHITE, 0.5, why, in_time=True, bandless=True, like=like))
 
 
 def _skewed(state: Investigation) -> None:

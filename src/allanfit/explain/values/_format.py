@@ -7,6 +7,7 @@ from jaxtyping import Float
 from scipy.stats import binom
 
 from ...recording._checks import (
+    Repeats,
     code_width,
     fresh_deviation,
     local_deviation,
@@ -53,6 +54,8 @@ class Format:
     #: Share of the samples at the rails.
     clipped: float
     repeat: Repeat | None
+    #: Log of the chance that as many samples are of one value, if that is a dead band's, else 0.
+    dead: float = 0.0
 
     @property
     def normal(self) -> bool:
@@ -71,7 +74,9 @@ def sample_format(
     coarse, discrete = (width > part * whole for part in (_COARSE, _DISCRETE))
     ends = () if wide(width, whole) else rails(used, width)
     clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
-    return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(used, ends, width))
+    again = repeated(used, ends, width)
+    dead = _log_chance(again, used.size) if np.isfinite(again.dead) else 0.0
+    return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(again, used.size), dead)
 
 
 def stuck(
@@ -93,16 +98,17 @@ def stuck(
     return found
 
 
-def _repeat(
-    used: Float[np.ndarray, " usable"], ends: tuple[float, ...], width: float
-) -> Repeat | None:
-    found = repeated(used, ends, width)
+def _repeat(found: Repeats, samples: int) -> Repeat | None:
     if not found.beyond:
         return None
-    chance = max(found.most_by_chance, 1e-9)
-    log_p = float(binom.logsf(int(found.share * used.size) - 1, used.size, chance))
     # Neighbours that rounding alone makes equal are no repeats.
     mean = 1 / (1 - (found.share - found.by_chance))
     # Of 1/(1 - p); what chance explains was counted too, on codes next to zero.
-    variance = (found.share * (1 - found.share) + found.by_chance) / used.size
-    return Repeat(mean, mean**2 * variance**0.5, max(log_p, _SURE))
+    variance = (found.share * (1 - found.share) + found.by_chance) / samples
+    return Repeat(mean, mean**2 * variance**0.5, _log_chance(found, samples))
+
+
+def _log_chance(found: Repeats, samples: int) -> float:
+    """Log of the chance that rounding makes as many neighbours equal."""
+    chance = max(found.most_by_chance, 1e-9)
+    return max(float(binom.logsf(int(found.share * samples) - 1, samples, chance)), _SURE)
