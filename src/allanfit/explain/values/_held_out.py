@@ -122,11 +122,11 @@ def of_swing(white: Float[np.ndarray, " samples"], period: float) -> Gain:
 
     def differences(known: slice, scored: slice):
         level = squares[known].mean()
-        size = 2 * (squares[known] / level - 1) @ waves[known] / squares[known].size
+        size, *_ = np.linalg.lstsq(waves[known], squares[known] / level - 1)
         swing = np.maximum(1 + waves[scored] @ size, 0.05)
         return -(np.log(swing) + squares[scored] / level * (1 / swing - 1)) / 2
 
-    return _crossed(white.size, differences)
+    return _crossed(white.size, differences, halves=True)
 
 
 def of_phases(white: Float[np.ndarray, " samples"], phase: Int[np.ndarray, " samples"]) -> Gain:
@@ -138,12 +138,20 @@ def of_phases(white: Float[np.ndarray, " samples"], phase: Int[np.ndarray, " sam
         here = mean[phase[scored]]
         return here * (white[scored] - here / 2) / np.mean(white[known] ** 2)
 
-    return _crossed(white.size, differences)
+    return _crossed(white.size, differences, halves=True)
 
 
 def _crossed(
-    samples: int, differences: Callable[[slice, slice], Float[np.ndarray, " half"]]
+    samples: int,
+    differences: Callable[[slice, slice], Float[np.ndarray, " half"]],
+    *,
+    halves: bool = False,
 ) -> Gain:
-    """Even samples known and odd ones scored, and the other way round."""
+    """Even samples known and odd ones scored, and the other way round.
+
+    Or the first half and the last: of what has an even period each is seen at half of its phases.
+    """
     even, odd = (slice(start, samples // 2 * 2, 2) for start in (0, 1))
+    if halves:
+        even, odd = slice(0, samples // 2), slice(samples // 2, samples // 2 * 2)
     return of_samples(np.concatenate([differences(even, odd), differences(odd, even)]))
