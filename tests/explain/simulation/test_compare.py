@@ -264,6 +264,26 @@ def test_a_line_of_another_size_is_told_with_both_sizes():
     assert not compared(fit, terms_of(fit), named, [weak], [], *ends)
 
 
+@pytest.mark.parametrize(
+    ("factor", "word"),
+    [
+        (180 / np.pi, "in deg and not in rad"),
+        (1 / 60, "in 1/sqrt(s) and not in 1/sqrt(h)"),
+        (9.9, "in m/s^2 and not in g"),
+        (50.0, None),
+    ],
+)
+def test_a_coefficient_in_another_unit_is_said_to_be(factor, word):
+    fit = fit_series(np.random.default_rng(31).standard_normal(SAMPLES), RATE)
+    values, _ = terms_of(fit)
+    wrong = np.array([0.0, factor * values[1], 0.0, 0.0, 0.0])
+    reference = Reference(wrong, np.zeros(5), "deg/s", "gyro", "a.yaml", "gyro_x")
+    entry = differences(fit, reference, SAMPLES / RATE)[0]
+    assert entry["coefficient"] == "N"
+    assert ("as if it were" in entry["sentence"]) == (word is not None)
+    assert word is None or word in entry["sentence"]
+
+
 def test_a_term_that_may_be_none_is_no_fault_of_a_simulation_without_it():
     """Half of the recording's N, which has as much K as its lowest band may hide."""
     rng = np.random.default_rng(30)

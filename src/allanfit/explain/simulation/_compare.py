@@ -24,6 +24,14 @@ _RAMP = SYMBOLS.index("R")
 _CLEAR = 1e-6
 # A coefficient beside effects that are in doubt is off if it is by such a part.
 _DOUBTFUL_PART = 0.1
+# One of these times as large, within such a part, is a number in another unit.
+_MISTAKEN = {
+    180 / np.pi: ("deg", "rad"),
+    60.0: ("1/sqrt(h)", "1/sqrt(s)"),
+    3600.0: ("1/h", "1/s"),
+    9.80665: ("m/s^2", "g"),
+}
+_ALIKE = 0.03
 # What has no band of its own, or is broad.
 _BROAD = ("gauss_markov", "power_law", "random_telegraph")
 # What happens at times of its own.
@@ -195,8 +203,18 @@ def _of_size(
     way = "small" if own > theirs else "large"
     # A term that the recording does not show has no size to compare with.
     shown = own > _APART * deviations[which]
-    factor = f", {theirs / own:.3g} times the recording's" if shown else ""
+    factor = f", {theirs / own:.3g} times the recording's{_as_if_in(theirs / own)}" if shown else ""
     return _Cause(f"its {symbol} is too {way}{factor}", symbol)
+
+
+def _as_if_in(factor: float) -> str:
+    """What unit a coefficient of the simulation seems to be in by mistake, if any."""
+    for size, (unit, due) in _MISTAKEN.items():
+        if abs(np.log(factor / size)) < _ALIKE:
+            return f", as if it were in {unit} and not in {due}"
+        if abs(np.log(factor * size)) < _ALIKE:
+            return f", as if it were in {due} and not in {unit}"
+    return ""
 
 
 def _of_physics(one: Difference, effects: _Effects) -> _Cause:
