@@ -67,7 +67,8 @@ def _some(
 
 def _unfiltered(state: Investigation) -> list[_Rival]:
     """A broad noise in place of the filter, as likely as it was when the filter was named."""
-    rivals, data = state.finding("low_pass").rivals, state.data
+    named, data = state.finding("low_pass"), state.data
+    rivals = {} if named is None else named.rivals
     bare = _model.rescaled(_model.without(state.model, 0), data)
     found = []
     for name in _BROAD:
