@@ -129,3 +129,13 @@ def test_two_converters_by_turns_are_a_swing_of_two_samples(samples):
         steady = swinging(rng.standard_normal(2000))
         assert steady is not None
         assert steady[0] > 2 or steady[1] > np.log(1e-3)
+
+
+@pytest.mark.parametrize("period", [64.0, 10.0, 7.3])
+def test_the_period_of_brief_pulses_is_theirs_and_no_harmonic_is(period):
+    """One sample of each is three times as strong: all harmonics are alike, one leads by chance."""
+    white = np.random.default_rng(64).standard_normal(60_000)
+    white[np.rint(np.arange(0, white.size - 1, period)).astype(int)] *= 3
+    found = swinging(np.clip(white / white.std(), -4, 4))
+    assert found is not None
+    assert found[0] == pytest.approx(period, rel=1e-3)

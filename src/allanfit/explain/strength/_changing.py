@@ -7,6 +7,8 @@ from scipy.stats import chi2
 # A swing of the noise is looked for from so many periods on, and up to a hundred short of half the
 # rate, or at that. Slower ones are courses of its strength.
 _FEWEST_SWINGS, _FASTEST = 8, 100
+# A harmonic is there if its power, one on average, is so large: by chance one of 400 sets of three.
+_MOST_HARMONICS, _THERE, _MOST_OF_THEM = 200, 7.0, 0.7
 #: Samples of a tile.
 TILE = 256
 _BANDS, _FEWEST_BANDS = 12, 4
@@ -182,4 +184,20 @@ def swinging(
     log_p = float(min(0.0, np.log(usable.sum()) - power[at]))
     # Two converters by turns are at the last ordinate, which is the square of one normal variate.
     by_turns = float(min(0.0, np.log(usable.sum()) - power[-1] / 2))
-    return (2.0, by_turns) if by_turns < log_p else (white.size / at, log_p)
+    if by_turns < log_p:
+        at, log_p = power.size - 1, by_turns
+    return white.size / at * _harmonic(power, at), log_p
+
+
+def _harmonic(power: Float[np.ndarray, " ordinates"], at: int) -> int:
+    """The number of the harmonic that is strongest, at ordinate `at`: brief pulses have many alike.
+
+    Of all slower ones of its fundamental most are there; of half of that half are.
+    """
+    for number in range(min(_MOST_HARMONICS, at // _FEWEST_SWINGS), 1, -1):
+        # To one ordinate, as the strongest is known.
+        slower = np.rint(np.arange(1, number) * at / number).astype(int)
+        there = np.max([power[slower + step] for step in (-1, 0, 1)], axis=0) > _THERE
+        if np.mean(there) > _MOST_OF_THEM:
+            return number
+    return 1
