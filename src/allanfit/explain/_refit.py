@@ -23,6 +23,8 @@ _NEAR_ZERO = 0.002
 _MANY = 100.0
 # Of the lowest of them, so many standard deviations are below what is expected.
 _SURE = 2.5
+# So many times as much as is there at all frequencies is not there.
+_HIDDEN = 1.2
 # What changes when a course, or the filter that it passes, is taken, and taken back.
 _OF_COURSES = (
     "courses",
@@ -39,18 +41,25 @@ _OF_COURSES = (
 
 def refit(state: Investigation) -> None:
     """The present structure again, with what is known of white noise that is not N."""
-    # Of all white noise something has to be left for N: coarse codes may hide the noise.
-    # No more than there is: of N, or behind a filter, where five terms may see no N, anywhere.
+    # Of all white noise something has to be left for N, if not at all frequencies: behind a filter
+    # nothing but rounding may be left of the fastest.
     white = 2 * float(np.exp(state.first.theta[1]))
     bins = state.data.bins
     shape = np.asarray(bins.shape)
     many = bins.used & (shape > _MANY)
-    highest = bins.density[many] * (1 + _SURE / np.sqrt(shape[many]))
-    most = max(0.999 * white, float(np.min(highest)) if many.any() else 0.0)
+    density, scatter = bins.density[many], _SURE / np.sqrt(shape[many])
+    lowest, highest = (
+        float(np.min(each, initial=np.inf)) for each in (density, density * (1 + scatter))
+    )
     # Held samples hold their rounding too, as they do N: it is taken off N at the end.
     held = state.format.repeat is not None
     rounded = 0.0 if held else max(state.rounding.added, 0.0)
-    state.data = state.data._replace(foreign=min(2 * (state.foreign + rounded), most))
+    known = 2 * (state.foreign + rounded)
+    if known > _HIDDEN * highest:
+        # Coarse codes hide noise, and are not the white noise that they are taken for.
+        highest = 0.9 * lowest
+    most = max(0.999 * white, highest if many.any() else 0.0)
+    state.data = state.data._replace(foreign=min(known, most))
     theta = np.array(state.model.theta)
     starts = [(state.model.kinds, theta), (state.model.kinds, theta - np.eye(theta.size)[1])]
     state.model = min(_model.best(starts, state.data), key=lambda model: model.deviance)
