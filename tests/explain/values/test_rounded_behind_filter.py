@@ -6,6 +6,9 @@ from scipy.signal import butter, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
+from allanfit.explain._refit import refit
+from allanfit.explain._state import begin
+from allanfit.explain.values._codes import Rounding
 
 RATE, SAMPLES = 100.0, 60_000
 
@@ -40,3 +43,19 @@ def test_a_filter_and_coarse_codes_are_all_that_is_named(order, corner, codes, s
     assert 0.97 * low < corner < 1.03 * high
     white = channel["coefficients_after"]["N"]
     assert white["value"] == pytest.approx(0.005, rel=0.03)
+
+
+def test_rounding_is_counted_in_full_unless_it_is_not_there():
+    """A floor of 0.01 a sample behind a filter that is zero at the Nyquist frequency."""
+    rng = np.random.default_rng(6)
+    passed = lfilter(*butter(2, 0.3), rng.standard_normal(SAMPLES))
+    values = passed + 0.1 * rng.standard_normal(SAMPLES)
+    power = np.array([0.0, np.var(values), 0.0, 0.0])
+    state = begin(values, ((0, SAMPLES),), "point", power, 8e-4)
+    state.rounding = Rounding(0.01, 0.0, 0.0)
+    refit(state)
+    assert state.data.foreign == pytest.approx(0.02, rel=0.03)
+    # Codes far wider than the noise add a twelfth of their square only in theory.
+    state.rounding = Rounding(0.1, 0.0, 0.0)
+    refit(state)
+    assert state.data.foreign < 0.02
