@@ -277,27 +277,26 @@ def _cut_by_line(state: Investigation, period: float) -> bool:
 
 def _dead_band(state: Investigation) -> None:
     """Values near one of them that come out as it: beside the many alike others are long tails."""
-    if state.format.dead >= np.log(state.alarm):
-        return
-    state.disowned.add("outliers")
-    state.findings.append(Finding("bump", state.format.dead, 0.0))
-    if "outliers" in state.gains:
-        state.gains["bump"] = state.gains["outliers"]
-    why = "values within a dead band come out as one, and take noise with them"
-    like = "a threshold below which a rate counts as rest does so, and is to be switched off"
-    state.unknown.append(Unknown(_WHITE, 0.5, why, in_time=True, bandless=True, like=like))
+    if state.format.dead < np.log(state.alarm):
+        why = "values within a dead band come out as one, and take noise with them"
+        like = "a threshold below which a rate counts as rest does so, and is to be switched off"
+        _no_spikes(state, state.format.dead, why, like)
 
 
 def _skewed(state: Investigation) -> None:
     """Noise that leans to one side has long tails there, and no spikes of their own."""
-    if state.leans >= np.log(state.alarm) or "outliers" in state.disowned:
-        return
+    if state.leans < np.log(state.alarm) and "outliers" not in state.disowned:
+        why = "the noise leans to one side"
+        like = "rectified noise or a curved characteristic does so"
+        _no_spikes(state, state.leans, why, like)
+
+
+def _no_spikes(state: Investigation, log_p: float, why: str, like: str) -> None:
+    """Name what gives values long tails in place of outliers."""
     state.disowned.add("outliers")
-    state.findings.append(Finding("bump", state.leans, 0.0))
+    state.findings.append(Finding("bump", log_p, 0.0))
     if "outliers" in state.gains:
         state.gains["bump"] = state.gains["outliers"]
-    why = "the noise leans to one side"
-    like = "rectified noise or a curved characteristic does so"
     state.unknown.append(Unknown(_WHITE, 0.5, why, in_time=True, bandless=True, like=like))
 
 

@@ -23,7 +23,7 @@ def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
     tilted = second * np.linspace(0.7, 1.3, 129)
     found = reshaped([first, tilted], flat)
     assert found is not None
-    assert found[1] < np.log(1e-5)
+    assert found[1] < np.log(1e-6)
 
 
 def test_white_noise_beside_rising_noise_is_no_other_spectrum_however_loud():
