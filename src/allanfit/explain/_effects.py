@@ -20,6 +20,7 @@ from .spectrum._structure import (
     FLAT,
     HIGH_PASS,
     NARROW,
+    RIPPLED,
     TERMS,
     TWO_POLES,
     UNNAMED,
@@ -42,6 +43,8 @@ _CUT = (
 _TELEGRAPH = 0.15
 # From this droop on the second of two poles takes less than a fiftieth of the power anywhere.
 _ONE_POLE = 0.97
+# Ripple that nobody designs, and attenuation that no spectrum shows [dB].
+_FLAT_DB, _FALLING_DB = 0.005, 90.0
 # Cycles per sample.
 _NYQUIST = 0.5
 # Levels are held for different times if their shares differ by so many standard deviations.
@@ -102,13 +105,15 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     findings = state.findings_of(kinds.names)
     found = []
     if draws.filtering is not None:
-        cutoff, order, droop = draws.filtering.T
+        cutoff, order, droop, ripple, attenuation = draws.filtering.T
         if kinds.shaping in TWO_POLES:
             # Of two poles so far apart one is not seen, and with it no droop is.
             order = np.where((order == 2) & (droop > _ONE_POLE), 1.0, order)
         values = {"cutoff_frequency": cutoff / dt, "order": order}
         if kinds.shaping in DROOPS:
             values["droop"] = droop
+        if kinds.shaping in RIPPLED:
+            values |= {"ripple": ripple, "attenuation": attenuation}
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
         if kinds.shaping in TWO_POLES and told["order"] == 1:
@@ -230,6 +235,8 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
 def _finite(kind: LowPass) -> str:
     """What is said of a filter of finite response, in samples."""
     order = round(float(kind.order))
+    if kind.ripple is not None and kind.attenuation is not None:
+        return _rippled(order, float(kind.ripple), float(kind.attenuation))
     if kind.windowed:
         return f"with a steep edge, as {order + 1} taps under a Hamming window have"
     if not kind.running_mean:
@@ -238,6 +245,17 @@ def _finite(kind: LowPass) -> str:
     if kind.oversampled:
         return f"means over {float(kind.taps(1.0)):.2g} of its samples{often}, as sigma-delta takes"
     return f"a running mean of {float(kind.taps(1.0)):.0f} samples{often}"
+
+
+def _rippled(order: int, ripple: float, attenuation: float) -> str:
+    """What is said of elliptic filters, and of those without ripple on one side."""
+    flat, falling = ripple < _FLAT_DB, attenuation > _FALLING_DB
+    if flat and falling:
+        return f"of order {order}"
+    before = "" if flat else f" with a ripple of {ripple:.2g} dB"
+    beyond = "" if falling else f" with {attenuation:.0f} dB of attenuation beyond it"
+    family = "an inverse Chebyshev" if flat else "a Chebyshev" if falling else "an elliptic"
+    return f"of order {order}{before}{' and' * bool(before and beyond)}{beyond}, as {family} filter has"
 
 
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:

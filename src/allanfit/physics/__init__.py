@@ -24,6 +24,7 @@ from ._effect_units import parameter_unit as parameter_unit
 from ._effect_units import parameter_values as parameter_values
 from ._effect_units import scaled as scaled
 from ._effect_units import unit_power as unit_power
+from ._equiripple import MOST_POLES as MOST_POLES
 from ._gauss_markov import GaussMarkov as GaussMarkov
 from ._low_pass import LowPass as LowPass
 from ._low_pass import lowest_cutoff as lowest_cutoff

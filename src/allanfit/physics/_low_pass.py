@@ -12,6 +12,7 @@ from jax.scipy.special import log_ndtr
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from ._effect import AbstractFilter, Parameter, Range
+from ._equiripple import MOST_POLES, equiripple_gain
 from ._filtering import filtered
 from ._term import Sampling
 
@@ -35,7 +36,7 @@ _SPREAD, _TAIL = 0.746, 0.029
 # How far from zero such edges are of a band, in these units, whose cut-off is looked up; two that
 # are nearer leave what the window alone does.
 _EDGES = np.linspace(0.02, 3.0, 300)
-# What a window lets pass far beyond the edge.
+# What a window lets pass far beyond the edge, and a zero where it is.
 _SIDE_LOBES = 1e-9
 # A frequency [Hz] below all cut-offs, and what lies beyond is stopped.
 _SLOWEST, _STEEPEST = 1e-30, float(np.exp(80))
@@ -78,11 +79,16 @@ class LowPass(AbstractFilter):
     within 3 %. Hamming's window stands for others by its width; and where the cut-off is that of
     the window alone, no lower one is to be had. It decimates, and the first image of white noise
     folds.
+
+    With a `ripple` in its pass band and an `attenuation` at least in its stop band a digital filter
+    is elliptic, of as many poles as its order says; see `_equiripple`.
     """
 
     cutoff_frequency: Float[Array, ""]
     order: Float[Array, ""]
     droop: Float[Array, ""] | None = None
+    ripple: Float[Array, ""] | None = None
+    attenuation: Float[Array, ""] | None = None
     digital: bool = eqx.field(static=True, default=False)
     averaged: bool = eqx.field(static=True, default=False)
     recursive: bool = eqx.field(static=True, default=False)
@@ -95,6 +101,8 @@ class LowPass(AbstractFilter):
         Parameter("cutoff_frequency", "Hz"),
         Parameter("order", "", range=Range(math.nextafter(0.5, 1), math.inf, "above 0.5")),
         Parameter("droop", "", range=Range(-math.inf, 1.0, "1 or less")),
+        Parameter("ripple", "dB", range=Range(math.ulp(0.0), 3.0, "above zero, 3 at most")),
+        Parameter("attenuation", "dB", range=Range(15.0, 200.0, "between 15 and 200")),
         Parameter("digital", "", kind="flag"),
         Parameter("averaged", "", kind="flag"),
         Parameter("recursive", "", kind="flag"),
@@ -105,6 +113,18 @@ class LowPass(AbstractFilter):
     )
     what: ClassVar[str] = "a low-pass filter"
     origin: ClassVar[str] = "the sensor's own digital or analogue filter"
+
+    def contradiction(self) -> str:
+        """A ripple that its filter cannot have; "" if there is none."""
+        if self.ripple is None and self.attenuation is None:
+            return ""
+        if self.ripple is None or self.attenuation is None:
+            return "has a ripple or an attenuation without the other: give both or neither"
+        if not self.digital or self.droop is not None:
+            return "has a ripple, which only a digital filter without a droop has here"
+        if not 2 <= self.order <= MOST_POLES or self.order % 1:
+            return f"has a ripple, so that its order must be a whole number from 2 to {MOST_POLES}"
+        return ""
 
     @property
     def after_converter(self) -> bool:
@@ -172,6 +192,9 @@ class LowPass(AbstractFilter):
         if self.digital or self.recursive:
             variable = jnp.sin if self.recursive else jnp.tan
             at, cutoff = (variable(jnp.pi * jnp.minimum(f * dt, 0.4999)) for f in (at, cutoff))
+        if self.ripple is not None and self.attenuation is not None:
+            passed = equiripple_gain(at, cutoff, self.order, self.ripple, self.attenuation)
+            return passed + _SIDE_LOBES
         # Zero frequency has no logarithm; this one passes as well. Apart from that of the cut-off,
         # it is taken once for filters of many cut-offs.
         logarithm = 2 * (jnp.log(jnp.maximum(at, _SLOWEST)) - jnp.log(cutoff))

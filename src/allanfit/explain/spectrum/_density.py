@@ -31,6 +31,7 @@ from ._structure import (
     late_part,
     left_of,
     shaped,
+    with_order,
     without_droop,
 )
 
@@ -168,7 +169,7 @@ def gain_at(
     if kinds.shaping is None or not _passes(name, kinds):
         return np.ones(len(frequency))
     nodes = _filled_up(frequency)
-    three = theta[None, TERMS : TERMS + EACH]
+    three = with_order(kinds.shaping, theta[None, TERMS : TERMS + EACH])
     passed = _evaluated(_gains, without_droop(kinds.shaping), three, nodes, data.samples)[1]
     return passed[0, : len(frequency)]
 
@@ -213,8 +214,8 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     if kinds.shaping is None:
         one = np.ones((len(theta), 1))
         return (one, one, one), None
-    three = theta[:, TERMS : TERMS + EACH]
-    # A filter that droops is the same program as one that does not.
+    three = with_order(kinds.shaping, theta[:, TERMS : TERMS + EACH])
+    # A filter that droops is the same program as one that does not, and one of any ripple.
     asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
     if kinds.shaping in MEANS:
         gains = _held(_evaluated(_gains, *asked), data)
@@ -223,6 +224,7 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     if not slopes and len(theta) > TOGETHER:
         return _held(_evaluated(_gains, *asked), data), None
     derivatives, gains = _evaluated(_gain_slopes, *asked)
+    derivatives = tuple(each[:, :EACH] for each in derivatives)
     return _held(gains, data), _held(derivatives, data)
 
 

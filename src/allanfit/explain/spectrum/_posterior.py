@@ -24,6 +24,7 @@ from ._structure import (
     FLOOR,
     FREE_FILTERS,
     MEANS,
+    RIPPLED,
     TERMS,
     TWO_POLES,
     WINDOWED,
@@ -33,6 +34,8 @@ from ._structure import (
     foreign,
     free_filter,
     held_rows,
+    poles,
+    ripple_of,
     shape_of,
 )
 
@@ -56,8 +59,9 @@ class Draws(NamedTuple):
     power: Float[np.ndarray, "draws terms"]
     #: All parameters, as `Model.theta`, shape (draws, parameters).
     theta: Float[np.ndarray, "draws parameters"]
-    #: Cut-off frequency [cycles per sample], order and droop of a filter, (draws, 3), or none.
-    filtering: Float[np.ndarray, "draws three"] | None = None
+    #: Cut-off frequency [cycles per sample], order, droop, ripple and attenuation [dB] of a filter,
+    #: (draws, 5), or none.
+    filtering: Float[np.ndarray, "draws five"] | None = None
     #: The structure with the likeliest kind of filter, and which draws are of it.
     likeliest: Model | None = None
     of_likeliest: Bool[np.ndarray, " draws"] | None = None
@@ -92,12 +96,21 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
 
 
 def _filters(shaping: str, three: Float[np.ndarray, "three draws"], samples: Any):
-    droop = droop_of(three) if shaping in DROOPS else np.zeros(three.shape[1])
-    return np.stack([*shape_of(shaping, three, samples), droop], axis=1)
+    cutoff, order = shape_of(shaping, three, samples)
+    none = np.zeros(three.shape[1])
+    droop = droop_of(three) if shaping in DROOPS else none
+    if shaping in RIPPLED:
+        return np.stack([cutoff, none + poles(shaping), none, ripple_of(three), order], axis=1)
+    return np.stack([cutoff, order, droop, none, none], axis=1)
 
 
 def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
+    if model.kinds.shaping in RIPPLED:
+        # It is far from all but those of one pole more or less.
+        place = RIPPLED.index(model.kinds.shaping)
+        near = (RIPPLED[each] for each in (place - 1, place + 1) if 0 <= each < len(RIPPLED))
+        return best([(model.kinds._replace(shaping=each), model.theta) for each in near], data)
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
     alike = (*FREE_FILTERS, *TWO_POLES)

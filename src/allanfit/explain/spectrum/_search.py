@@ -16,6 +16,7 @@ from ._starts import (
     filtered_last,
     highest,
     other_windows,
+    rippled_starts,
     two_pole_starts,
     windowed_starts,
 )
@@ -167,7 +168,15 @@ def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     # Lines would be made of what a wrong edge leaves. What a resonance leaves is no matter of
     # edges, and has its turn; but no window comes near the zeros of a running mean.
     part = 0.9 if found.model.kinds.shaping in MEANS else 0.5
-    return _likelier(found, windowed_starts(found.model, data), model, data, part)
+    found = _likelier(found, windowed_starts(found.model, data), model, data, part)
+    return _likelier(found, _ahead(rippled_starts(found.model, data), data), model, data, part)
+
+
+def _ahead(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[tuple[Kinds, np.ndarray]]:
+    """Those that lead after a few steps, where these have led."""
+    found = best(starts, data, _TRIAL, rough=True)
+    leading = sorted(found, key=lambda each: _cost(each, data))[:_KEPT]
+    return [(each.kinds, each.theta) for each in leading]
 
 
 def _likelier(

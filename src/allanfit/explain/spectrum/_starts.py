@@ -14,6 +14,8 @@ from ._structure import (
     FLOOR,
     FREE_FILTERS,
     HIGH_PASS,
+    RIPPLE,
+    RIPPLED,
     TERMS,
     TWO_POLES,
     WINDOWED,
@@ -34,6 +36,8 @@ _WINDOWS = (12.0, 36.0, 108.0)
 _FOLDED = (0.62, 4.5)
 # And others beside them, once what the ends leak is left out.
 _BETWEEN, _WIDER = 20.0, (1.0, 1.25, 1.6)
+# Of filters that have ripple, in dB.
+_RIPPLES, _ATTENUATIONS = (1e-5, 0.03, 0.6), (40.0, 80.0)
 # To a peak and to poles apart: free droops to begin with.
 _DROOPS = (-1.0, 1.5)
 
@@ -164,6 +168,20 @@ def windowed_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
         theta = model.theta.copy()
         theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, taps, data.samples)
         starts.append((model.kinds._replace(shaping=WINDOWED), theta))
+    return starts
+
+
+def rippled_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
+    """The filter that the model has, if it is a poor one, with ripple and any number of poles."""
+    cutoff, _ = shaping_shape(model, data)
+    poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
+    starts = []
+    shapes = itertools.product(RIPPLED, _RIPPLES, _ATTENUATIONS)
+    for kind, ripple, attenuation in shapes if poor and cutoff < 0.45 else ():
+        theta = model.theta.copy()
+        level = free(ripple, *RIPPLE)
+        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, attenuation, data.samples, level)
+        starts.append((model.kinds._replace(shaping=kind), theta))
     return starts
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ...physics import (
+    MOST_POLES,
     Bump,
     DriftingLine,
     GaussMarkov,
@@ -50,13 +51,19 @@ RUNNING_MEAN, OVERSAMPLED = "running_mean", "oversampled_mean"
 MEANS = (RUNNING_MEAN, OVERSAMPLED)
 #: Behind it too, with an edge as steep as a long response makes it.
 WINDOWED = "windowed_low_pass"
+#: Behind it too, elliptic filters of such orders; one program serves all of these.
+EQUIRIPPLE = "equiripple"
+RIPPLED = tuple(f"{EQUIRIPPLE}_{order}" for order in range(2, MOST_POLES + 1))
 #: What has no name: a bump about one frequency, or a lack toward zero.
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
 UNNAMED = ("bump", HIGH_PASS, FLAT)
-FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED)
+FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED, EQUIRIPPLE, *RIPPLED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
+#: In dB. Inverse Chebyshev filters have none: their corner is far below the edge of a pass band that
+#: has next to none.
+RIPPLE = (1e-7, 3.0)
 TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
@@ -97,7 +104,7 @@ class Kinds(NamedTuple):
     @property
     def angle_filtered(self) -> bool:
         """Whether quantization comes before the filter, as in a converter before a processor."""
-        behind = ("digital_low_pass", RECURSIVE, RUNNING_MEAN, WINDOWED)
+        behind = ("digital_low_pass", RECURSIVE, RUNNING_MEAN, WINDOWED, EQUIRIPPLE)
         return without_droop(self.shaping or "") in behind
 
 
@@ -118,8 +125,27 @@ class Data(NamedTuple):
 
 
 def without_droop(shaping: str) -> str:
-    """The filter of the same place that does not droop; anything else as it is."""
+    """The filter of the same place that does not droop, of any ripple; anything else as it is."""
+    if shaping in RIPPLED:
+        return EQUIRIPPLE
     return shaping.removeprefix(_DROOPING).removeprefix(_TWO_POLES)
+
+
+def with_order(shaping: str, threes: Any) -> Any:
+    """Free parameters of a filter, of some starts, and the order of one that has ripple."""
+    if shaping not in RIPPLED:
+        return threes
+    return np.pad(threes, ((0, 0), (0, 1)), constant_values=poles(shaping))
+
+
+def poles(shaping: str) -> float:
+    """The order of a filter that has ripple."""
+    return float(shaping.removeprefix(f"{EQUIRIPPLE}_"))
+
+
+def ripple_of(three: Any) -> Float[Array, "..."]:
+    """Of a filter that has any, in dB."""
+    return between(three[0], *RIPPLE)
 
 
 def droop_of(three: Any) -> Float[Array, "..."]:
@@ -130,6 +156,11 @@ def droop_of(three: Any) -> Float[Array, "..."]:
 def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
     """A filter from its three free parameters, the first of which says how it droops if it does."""
     kind = without_droop(shaping)
+    if kind == EQUIRIPPLE:
+        cutoff, attenuation = shape_of(kind, three, samples)
+        order = three[EACH] if shaping == EQUIRIPPLE else jnp.asarray(poles(shaping))
+        ripple = ripple_of(three)
+        return LowPass(cutoff, order, ripple=ripple, attenuation=attenuation, digital=True)
     return LowPass(
         *shape_of(kind, three, samples),
         # A droop of nothing too: one program serves filters that droop and those that do not.
@@ -161,6 +192,8 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         OVERSAMPLED: ((0.003, 0.49), (0.7, 8.0)),
         # Of fewer samples it is much like the others.
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
+        # The attenuation.
+        EQUIRIPPLE: ((0.01, 0.49), (15.0, 150.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
         # Flanks are seen where they are some bins apart, of which 48 make a decade.
         FLAT: ((2 / samples, 0.5), (0.1, 3.0)),
@@ -190,7 +223,10 @@ def free_filter(
 def shape_of(
     name: str, three: Any, samples: Any
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """The two shape parameters of an effect from its three free ones."""
+    """The two shape parameters of an effect from its three free ones.
+
+    Of a filter a cut-off frequency and an order, or the attenuation of one that has ripple.
+    """
     first, second = bounds(name, samples)
     place, breadth = between(three[1], *first), between(three[2], *second)
     if name == WINDOWED:
@@ -338,7 +374,7 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
         # Some noises have one number for their shape; a filter has no size.
         free = [True, True, name not in ("gauss_markov", "power_law")]
         if name == "low_pass":
-            free = [kinds.shaping in DROOPS]
+            free = [kinds.shaping in (*DROOPS, *RIPPLED)]
             free += [kinds.shaping not in MEANS]
             free += [kinds.shaping not in (*MEANS, *TWO_POLES)]
         flags += free
