@@ -29,6 +29,7 @@ from .spectrum._structure import (
     shape_of,
     sieve,
 )
+from .values._clipped import rails
 from .values._effects import LINE, MAKERS, SURE, probabilities, seconds
 from .values._spikes import USUAL
 
@@ -102,7 +103,7 @@ def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
 
 def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> list[Effect]:
     kinds, samples = state.model.kinds, state.data.samples
-    findings = state.findings_of(kinds.names)
+    findings, cut = state.findings_of(kinds.names), rails(state)
     found = []
     if draws.filtering is not None:
         cutoff, order, droop, ripple, attenuation = draws.filtering.T
@@ -148,7 +149,8 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         begin = kinds.first_slot + EACH * place
         three = draws.theta[:, begin : begin + EACH].T
         first, second = (np.asarray(each) for each in shape_of(name, three, samples))
-        size = np.exp(three[0] / 2)
+        # Of noise that is clipped all noises pass in part.
+        size = np.exp(three[0] / 2) / (1.0 if cut is None else cut.gain)
         own, others = probabilities(findings[place - len(kinds.added)], name)
         disguised = name == "resonance" and place in state.wandering
         if name == "gauss_markov":
@@ -161,7 +163,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             band = (max(middle - 2 * half, 0.0), middle + 2 * half)
             found.append(Effect(name, own, others, values, {}, band, _when(state, dt)))
         elif name == "power_law":
-            density = np.exp(three[0]) * dt ** (1 - first)
+            density = size**2 * dt ** (1 - first)
             found.append(
                 Effect(name, own, others, {"exponent": first, "density": density}, {}, None)
             )
@@ -255,7 +257,8 @@ def _rippled(order: int, ripple: float, attenuation: float) -> str:
     before = "" if flat else f" with a ripple of {ripple:.2g} dB"
     beyond = "" if falling else f" with {attenuation:.0f} dB of attenuation beyond it"
     family = "an inverse Chebyshev" if flat else "a Chebyshev" if falling else "an elliptic"
-    return f"of order {order}{before}{' and' * bool(before and beyond)}{beyond}, as {family} filter has"
+    both = " and" if before and beyond else ""
+    return f"of order {order}{before}{both}{beyond}, as {family} filter has"
 
 
 def _gauss_markov(state, begin, size, time, own, others, dt, seed) -> list[Effect]:

@@ -37,10 +37,12 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
         return _take_together(state, found) or _take_steps(state, found)
     # Lines first: nothing smooth explains one, and one distorts what is smooth.
     chosen, among = _choice(state, alarms)
-    if among is None and chosen.name in _STAND_INS:
+    if among is None and chosen.name in (*_STAND_INS, *_SLOW):
         # That something is left out is told by one, and what it is by the likeliest.
-        close = np.log(LEEWAY * state.alarm)
-        near = [each for each in found if each.log_p < close and each.name in _STAND_INS]
+        alike, close = _STAND_INS, np.log(LEEWAY * state.alarm)
+        if chosen.name in _SLOW:
+            alike, close = _SLOW, _HINT
+        near = [each for each in found if each.log_p < close and each.name in alike]
         chosen = max(near, key=lambda option: option.score)
     rivals: dict[str, float] = {}
     for option in found:

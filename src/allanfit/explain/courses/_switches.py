@@ -9,6 +9,7 @@ from ..spectrum._density import gain_at, noise_at
 from ..spectrum._ordinates import ordinates
 from ..spectrum._structure import EACH, shape_of
 from ..spectrum._whiten import level, whitened
+from ..values._clipped import rails
 from ..values._contamination import Contamination, contamination
 from . import _course
 from ._one_by_one import FEWEST, seen_one_by_one
@@ -30,6 +31,9 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     `constant` is its time constant in samples.
     """
     three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
+    if rails(state) is not None:
+        # What stands at a rail dwells there, whatever it is.
+        return Levels(0.0, 1.0, 0.5, np.zeros(stop - start, bool))
     # Of one stretch: the ordinates of several are no series.
     spectrum = ordinates((state.calm[start:stop],), state.sampling)
     total = _course.ordinate_variance(spectrum, state.model, state.data)
