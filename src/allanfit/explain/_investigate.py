@@ -153,8 +153,7 @@ def investigate(
     name_fine_codes(state)
     look_again(state)
     _leftover(state)
-    if state.unexplained is not None:
-        _reconsider_lines(state)
+    _reconsider_lines(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
 
@@ -312,11 +311,16 @@ def _reconsider_courses(state: Investigation) -> None:
 
 def _reconsider_lines(state: Investigation) -> None:
     """Take back sinusoids that stood out of what the spectrum turned out not to be."""
+    peaks = narrow_noises(state.model, float(state.data.samples))
     for line in state.lines:
+        frequency = line.shape["frequency"]
+        inside = any(abs(frequency - one.middle) < _PEAK * one.width for one in peaks)
+        if state.unexplained is None and not inside:
+            continue
         _drop_unless(
             state,
             line,
-            lambda gain, _, frequency=line.shape["frequency"]: (
+            lambda gain, _, frequency=frequency: (
                 line_log_chance(gain / 2, frequency, state.spectrum.longest)
                 <= np.log(LINE_ALARM * state.alarm)
             ),
