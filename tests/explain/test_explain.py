@@ -334,3 +334,18 @@ def test_a_thermometer_that_is_behind_says_the_sensitivity_of_the_sensor():
     assert effect["name"] == "temperature"
     # What it shows, less how fast it rises, is a seventh less.
     assert effect["parameters"]["sensitivity"]["value"] == pytest.approx(0.02, rel=0.02)
+
+
+def test_of_a_warm_up_and_temperature_the_likelier_is_named():
+    """A board that warms up: both fit, and chance finds a warm-up less often."""
+    named = set()
+    for seed in range(3):
+        rng = np.random.default_rng((5, seed))
+        celsius = 30 + 6 * (1 - np.exp(-np.arange(SAMPLES) / (SAMPLES / 3)))
+        shown = celsius + 0.03 * rng.standard_normal(SAMPLES)
+        found = beside_temperature(noise(60 + seed) + 0.08 * (celsius - 30), shown)
+        for effect in found["effects"]:
+            named.add(effect["name"])
+            others = [each["probability"] for each in effect["alternatives"]]
+            assert effect["probability"] >= max(others, default=0.0)
+    assert named & {"warm_up", "temperature"}

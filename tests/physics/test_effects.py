@@ -34,6 +34,8 @@ CONTRACT = {
         "cutoff_frequency",
         "order",
         "droop",
+        "ripple",
+        "attenuation",
         "digital",
         "averaged",
         "recursive",

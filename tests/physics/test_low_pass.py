@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.signal import firwin, freqz
+from scipy.signal import cheby1, cheby2, ellip, firwin, freqz, sosfreqz
 
 from allanfit.physics import LowPass
 
@@ -66,3 +66,65 @@ def test_means_of_what_is_sampled_faster(length, times):
     gain = eqx.filter_jit(low_pass.gain)(frequency / DT, DT)
     np.testing.assert_allclose(np.asarray(gain), folded / folded[0], rtol=0.01, atol=1e-7)
     assert not low_pass.after_converter
+
+
+@pytest.mark.parametrize(
+    ("order", "ripple", "attenuation", "edge"),
+    [
+        (2, 0.3, 20, 0.1),
+        (4, 1.0, 40, 0.08),
+        (5, 0.05, 60, 0.3),
+        (7, 2.0, 80, 0.2),
+        (10, 0.1, 50, 0.1),
+    ],
+)
+def test_an_elliptic_filter(order, ripple, attenuation, edge):
+    """SciPy's design of poles and zeros, over its gain at zero, which is in a valley if even."""
+    sections = ellip(order, ripple, attenuation, 2 * edge, output="sos")
+    assert_gain_is_that_of(sections, edge, order, ripple, attenuation, 1e-3, 1e-6)
+
+
+@pytest.mark.parametrize("order", [2, 3, 6])
+def test_chebyshev_filters_are_elliptic_ones_without_lobes_or_ripple(order):
+    """Without ripple the pass band has no edge, and what is next to none is near enough."""
+    one = cheby1(order, 0.5, 0.2, output="sos")
+    assert_gain_is_that_of(one, 0.1, order, 0.5, 350.0, 1e-3, 1e-6)
+    other = cheby2(order, 50, 0.5, output="sos")
+    assert_gain_is_that_of(other, 1e-3, order, 1e-7, 50.0, 0.03, 1e-3)
+
+
+def assert_gain_is_that_of(sections, edge, order, ripple, attenuation, within, floor):
+    """A filter's gain is SciPy's, down to a floor; its cut-off is where half is left."""
+
+    def power(frequency):
+        return np.abs(sosfreqz(sections, 2 * np.pi * np.asarray(frequency))[1]) ** 2
+
+    beyond = np.linspace(edge, 0.4999, 200_001)
+    still = power([0.0])[0]
+    cutoff = np.interp(
+        -0.5, -power(beyond[: np.argmin(power(beyond))]) / still, beyond[: np.argmin(power(beyond))]
+    )
+    low_pass = LowPass(
+        jnp.asarray(cutoff / DT),
+        jnp.asarray(float(order)),
+        ripple=jnp.asarray(ripple),
+        attenuation=jnp.asarray(float(attenuation)),
+        digital=True,
+    )
+    assert not low_pass.contradiction()
+    frequency = np.linspace(0, 0.49, 800)
+    gain = np.asarray(eqx.filter_jit(low_pass.gain)(frequency / DT, DT))
+    np.testing.assert_allclose(gain, power(frequency) / still, rtol=within, atol=floor)
+
+
+@pytest.mark.parametrize(
+    ("order", "more", "why"),
+    [
+        (4.0, {"digital": True}, "give both or neither"),
+        (4.0, {"attenuation": jnp.asarray(40.0)}, "only a digital filter"),
+        (3.5, {"attenuation": jnp.asarray(40.0), "digital": True}, "a whole number from 2 to 10"),
+    ],
+)
+def test_a_ripple_that_no_filter_has_is_refused(order, more, why):
+    low_pass = LowPass(jnp.asarray(20.0), jnp.asarray(order), ripple=jnp.asarray(0.5), **more)
+    assert why in low_pass.contradiction()

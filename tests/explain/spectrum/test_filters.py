@@ -6,7 +6,10 @@ import pytest
 from scipy.signal import (
     bessel,
     butter,
+    cheby1,
+    cheby2,
     cont2discrete,
+    ellip,
     firwin,
     freqz,
     iirnotch,
@@ -88,6 +91,26 @@ def test_a_bessel_filter_droops_and_is_no_filter_with_lines():
     names, low_pass, state = found_in(sosfilt(bessel(2, 0.3, output="sos"), noise(4)))
     assert names == ["low_pass"]
     assert 0.3 < float(low_pass.droop) < 0.95
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("sections", "order"),
+    [
+        (cheby1(4, 1.0, 0.24, output="sos"), 4),
+        (ellip(4, 1.0, 40, 0.156, output="sos"), 4),
+        (cheby2(3, 40, 0.42, output="sos"), 3),
+    ],
+    ids=["Chebyshev", "elliptic", "inverse Chebyshev"],
+)
+def test_a_filter_with_ripple_is_one_filter(sections, order):
+    """They were filters with resonances, and N a hundredth of itself; within five deviations."""
+    # Over what it leaves at zero frequency, where N is read.
+    still = np.prod(sections[:, :3].sum(axis=1) / sections[:, 3:].sum(axis=1))
+    names, low_pass, state = found_in(sosfilt(sections, noise(8, SAMPLES + 4000)) / still)
+    assert names == ["low_pass"]
+    assert low_pass.ripple is not None
+    assert float(low_pass.order) == order
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
 
 

@@ -50,3 +50,21 @@ def test_a_clipped_output_of_a_filter_is_not_held():
     assert {"saturation", "low_pass"} <= named
     assert not {"sample_hold", "random_telegraph"} & named
     assert found["coefficients_after"]["N"]["value"] == pytest.approx(1, abs=0.04)
+
+
+@pytest.mark.parametrize("limit", [3.0, 5.0])
+def test_clipped_noise_is_as_strong_as_before_and_does_not_switch(limit):
+    """A Gauss-Markov process of 1.5 beside N of 2, a fifth and a twentieth of it at the rails.
+
+    What stands at a rail was a level of a telegraph, with 95 %. Rails pass the size of noise by
+    Bussgang's theorem; within four of its standard errors, which are 2 %.
+    """
+    rng = np.random.default_rng(77)
+    keep = np.exp(-1 / 50)
+    wandering = lfilter([np.sqrt(1 - keep**2)], [1, -keep], rng.standard_normal(80_000)) * 1.5
+    values = np.clip(wandering + 2 * rng.standard_normal(80_000), -limit, limit)
+    recording = allanfit.recording_of(values, rate_hz=1.0, unit="rad/s")
+    (found,) = allanfit.explain(recording, posterior=False).to_dict()["channels"]
+    effects = {effect["name"]: effect["parameters"] for effect in found["effects"]}
+    assert set(effects) == {"saturation", "gauss_markov"}
+    assert effects["gauss_markov"]["sigma"]["value"] == pytest.approx(1.5, rel=0.08)
