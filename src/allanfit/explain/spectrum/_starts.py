@@ -37,7 +37,7 @@ _FOLDED = (0.62, 4.5)
 # And others beside them, once what the ends leak is left out.
 _BETWEEN, _WIDER = 20.0, (1.0, 1.25, 1.6)
 # Of filters that have ripple, in dB.
-_RIPPLES, _ATTENUATIONS = (1e-5, 0.03, 0.6), (40.0, 80.0)
+_RIPPLES, _ATTENUATIONS = (1e-8, 0.03, 0.6), (40.0, 80.0)
 # To a peak and to poles apart: free droops to begin with.
 _DROOPS = (-1.0, 1.5)
 

@@ -63,7 +63,7 @@ FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED, EQUIRIPPLE, *RIP
 NARROW = ("resonance", "drifting_line")
 #: In dB. Inverse Chebyshev filters have none: their corner is far beyond the edge of a pass band
 #: that has next to none.
-RIPPLE = (1e-7, 3.0)
+RIPPLE = (1e-12, 3.0)
 TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
