@@ -21,7 +21,7 @@ from ._held_out import held_out
 from ._investigate import ALARM, investigate
 from ._misfit import goodness
 from .simulation._references import references
-from .spectrum._averaged import averaged
+from .spectrum._averaged import averaged, of_either_sampling
 from .spectrum._posterior import sample_structure
 from .values._closed_up import closed_up
 
@@ -142,6 +142,7 @@ def _explain_channel(
     draws = sample_structure(state.model, state.data, seed, quick=not posterior)
     if draws.likeliest is not None:
         state.model = draws.likeliest
+    draws = of_either_sampling(state, draws, seed, quick=not posterior)
     effects = tuple(
         replace(effect, felt=bool(drivers))
         for effect in effects_of(state, draws, state.stride * dt, seed)

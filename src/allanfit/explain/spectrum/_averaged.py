@@ -2,19 +2,23 @@
 
 Correlated noise and a power law may fit one spectrum equally well and leave different white and
 flicker noise to it, by many standard errors of either fit; and so may white noise behind a filter
-and correlated noise beside less of it, where quantization hides what is beyond.
+and correlated noise beside less of it, where quantization hides what is beyond. A power law that
+reaches half the sampling rate folds there if samples are values, and hardly if they are averages.
 """
 
 from dataclasses import dataclass
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
+from ...curves._design import NOISE_TERMS, expected_ordinates
 from .._chance import score
 from .._state import Investigation
 from . import _model, _search
 from ._model import Model
 from ._posterior import Draws, sample_structure
+from ._structure import Data
 
 # Broad noises stand for one another, lines do not: beside those the coefficients are what they are.
 _BROAD = ("gauss_markov", "power_law")
@@ -57,6 +61,38 @@ def averaged(state: Investigation, draws: Draws, seed: int, *, quick: bool) -> D
         other = sample_structure(rival.model, state.data, seed + index, quick=quick).power
         power[whose == index] = _some(other, int(np.sum(whose == index)), rng)
     return draws._replace(power=power)
+
+
+def of_either_sampling(state: Investigation, draws: Draws, seed: int, *, quick: bool) -> Draws:
+    """The draws, some on samples that are averages, as likely as these are, beside a power law."""
+    model, data = state.model, state.data
+    if "power_law" not in model.kinds.added or model.kinds.shaping is not None or data.averaging:
+        return draws
+    data = _of_averages(data)
+    (other,) = _model.best([(model.kinds, model.theta)], data)
+    share = 1 / (1 + np.exp(np.clip((other.deviance - model.deviance) / 2, -50, 50)))
+    if share < _OPEN:
+        return draws
+    drawn, rng = sample_structure(other, data, seed, quick=quick), np.random.default_rng(seed)
+    swapped = rng.random(len(draws.power)) < share
+    chosen = rng.choice(len(drawn.power), int(np.sum(swapped)))
+    power, theta = draws.power.copy(), draws.theta.copy()
+    power[swapped], theta[swapped] = drawn.power[chosen], drawn.theta[chosen]
+    return draws._replace(power=power, theta=theta)
+
+
+def _of_averages(data: Data) -> Data:
+    """The same spectrum, as if of samples that are averages over their interval."""
+    expected, frequency = np.array(data.bins.expected), np.clip(data.bins.frequency, 1e-12, 0.5)
+    # Between Q and N as they are logged there is no difference.
+    for place, term in list(enumerate(NOISE_TERMS))[2:]:
+        with jax.enable_x64(True):
+            of_averages, of_values = (
+                expected_ordinates(term, 1, frequency, sampling, low_modes=False)
+                for sampling in ("averaged", "point")
+            )
+        expected[:, place] *= of_averages / of_values
+    return data._replace(averaging=1.0, bins=data.bins._replace(expected=expected))
 
 
 def _some(
