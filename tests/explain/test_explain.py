@@ -349,3 +349,21 @@ def test_of_a_warm_up_and_temperature_the_likelier_is_named():
             others = [each["probability"] for each in effect["alternatives"]]
             assert effect["probability"] >= max(others, default=0.0)
     assert named & {"warm_up", "temperature"}
+
+
+def test_a_line_is_as_strong_as_by_its_times_where_samples_are_lost(tmp_path):
+    """Closed up, its phase turns by two thirds of a turn at each loss, and nothing stays there.
+
+    A line of amplitude A over T beside white noise N has 1 + A^2 T/(4 N^2) times its power, in
+    the two ordinates or three that its band holds.
+    """
+    rng = np.random.default_rng(21)
+    time = np.arange(SAMPLES) / RATE
+    kept = rng.random(SAMPLES) > 0.03
+    values = noise(21) + 0.006 * np.sin(2 * np.pi * 17.3 * time)
+    path = written(tmp_path, values[kept], time_s=time[kept])
+    document = explain_recording(allanfit.load(path), posterior=False).to_dict()["channels"][0]
+    (place,) = (each for each in document["mismatch"] if each["effect"] == "sinusoid")
+    over = 0.006**2 * SAMPLES / RATE / (4 * 0.005**2)
+    assert over / 2 < place["ratio"] < 2 * over
+    assert f"{place['ratio']:.3g} times" in place["sentence"]
