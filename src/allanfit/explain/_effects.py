@@ -134,7 +134,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 {**values, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
-                note=_finite(kind),
+                note=_described(kind),
                 told=told,
             )
         )
@@ -234,8 +234,8 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
     return Effect("bump", SURE, {}, values, {}, band, note)
 
 
-def _finite(kind: LowPass) -> str:
-    """What is said of a filter of finite response, in samples."""
+def _described(kind: LowPass) -> str:
+    """What is said of a filter that is not of Butterworth's kind; "" of one that is."""
     order = round(float(kind.order))
     if kind.ripple is not None and kind.attenuation is not None:
         return _rippled(order, float(kind.ripple), float(kind.attenuation))
