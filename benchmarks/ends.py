@@ -17,9 +17,8 @@ import allanfit
 from allanfit.curves import design
 from allanfit.identify import Fit
 from allanfit.identify._estimate import estimate
-from allanfit.report import write_json
 
-from ._records import record_options
+from ._records import keep, record_options
 
 SAMPLES = 60_000
 RATIOS = (1.0, 20.0, 100.0, 300.0)
@@ -47,8 +46,7 @@ def main(arguments=None):
     print(f"| Q/N | evened | as it is | of\n|{'---|' * 4}")
     for row in rows:
         print(f"| {row['ratio']:g} | {row['evened']} | {row['as it is']} | {options.records} |")
-    options.output.mkdir(parents=True, exist_ok=True)
-    write_json({"records": options.records, "rows": rows}, options.output / "ends.json")
+    keep(options, "ends", rows)
 
 
 if __name__ == "__main__":

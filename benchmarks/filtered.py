@@ -17,9 +17,8 @@ from rich.progress import track
 from scipy.signal import butter, firwin, lfilter
 
 import allanfit
-from allanfit.report import write_json
 
-from ._records import record_options
+from ._records import keep, record_options
 from .telegraph import levels
 
 SAMPLES, RATE_HZ = 120_000, 100.0
@@ -93,9 +92,7 @@ def main(arguments=None):
     for row in rows:
         print("| " + " | ".join(str(value) for value in row.values()), f"| {options.records} |")
     print("\n".join(["", *wrong]))
-    options.output.mkdir(parents=True, exist_ok=True)
-    record = {"records": options.records, "rows": rows, "otherwise": wrong}
-    write_json(record, options.output / "filtered.json")
+    keep(options, "filtered", rows, otherwise=wrong)
 
 
 if __name__ == "__main__":

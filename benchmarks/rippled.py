@@ -14,9 +14,8 @@ from rich.progress import track
 from scipy.signal import cheby1, cheby2, ellip, sosfilt, sosfreqz
 
 import allanfit
-from allanfit.report import write_json
 
-from ._records import record_options
+from ._records import keep, record_options
 
 SAMPLES, RATE_HZ = 100_000, 100.0
 # Records begin when the filter has forgotten that it was empty.
@@ -80,9 +79,7 @@ def main(arguments=None):
     for family, row in rows.items():
         print(f"| {family} | " + " | ".join(str(value) for value in row.values()) + " |")
     print("\n".join(["", *wrong]))
-    options.output.mkdir(parents=True, exist_ok=True)
-    record = {"records": options.records, "rows": rows, "otherwise": wrong}
-    write_json(record, options.output / "rippled.json")
+    keep(options, "rippled", rows, otherwise=wrong)
 
 
 if __name__ == "__main__":

@@ -14,9 +14,8 @@ from rich.progress import track
 from scipy.signal import lfilter
 
 import allanfit
-from allanfit.report import write_json
 
-from ._records import record_options
+from ._records import keep, record_options
 
 SAMPLES, RATE_HZ = 120_000, 10.0
 KINDS = ("telegraph", "Gauss-Markov", "steps")
@@ -70,8 +69,7 @@ def main(arguments=None):
     print("|---|---|---|---|---|---|---|")
     for row in rows:
         print("| " + " | ".join(str(value) for value in row.values()), f"| {options.records} |")
-    options.output.mkdir(parents=True, exist_ok=True)
-    write_json({"records": options.records, "rows": rows}, options.output / "telegraph.json")
+    keep(options, "telegraph", rows)
 
 
 if __name__ == "__main__":

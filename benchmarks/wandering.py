@@ -15,9 +15,8 @@ from rich.progress import track
 from scipy.signal import lfilter
 
 import allanfit
-from allanfit.report import write_json
 
-from ._records import record_options
+from ._records import keep, record_options
 
 SAMPLES = 100_000
 TOLD = {
@@ -73,9 +72,7 @@ def main(arguments=None):
         mean, rms = float(np.mean(each)), float(np.sqrt(np.mean(np.square(each))))
         rows.append({"what": name, "held": held[name], "mean": mean, "rms": rms})
         print(f"| {name} | {held[name]} of {named} | {mean:+.3f} | {rms:.3f} |")
-    options.output.mkdir(parents=True, exist_ok=True)
-    record = {"records": options.records, "named": named, "alone": alone, "rows": rows}
-    write_json(record, options.output / "wandering.json")
+    keep(options, "wandering", rows, named=named, alone=alone)
 
 
 if __name__ == "__main__":

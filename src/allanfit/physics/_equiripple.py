@@ -18,7 +18,7 @@ _PAIRS = np.arange(MOST_POLES // 2)
 _POWERS = np.arange(9.0)
 # Nothing is passed at a zero and there is no ripple at another: neither has a logarithm.
 _LEAST = 1e-18
-# Halvings between which the edge is found, and the step of Newton that makes its slopes right.
+# Halvings that find the cut-off; a step of Newton after them gives its slopes.
 _HALVINGS = 40
 
 
@@ -31,8 +31,8 @@ def equiripple_gain(
 ) -> Float[Array, "*shape"]:
     """|H|^2 over that at zero, with half of it at the cut-off; frequencies in any unit.
 
-    Of a whole order up to `MOST_POLES`, a ripple [dB] of 6 at most and an attenuation [dB] of 15 at
-    least.
+    Of a whole order up to `MOST_POLES`, a ripple [dB] of 3 at most and an attenuation [dB] of 15 at
+    least. (With more ripple half of the power is left in the pass band already.)
     """
     strength = jnp.log(jnp.expm1(ripple * np.log(10) / 10))
     nome = _nome(strength - jnp.log(jnp.expm1(attenuation * np.log(10) / 10))) / order
