@@ -2,6 +2,7 @@
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.fft import dct, idct
 
 from .._intervals import runs
 from .._refit import rebin, refit
@@ -25,11 +26,22 @@ from ..values._spikes import (
 )
 from ._bursts import bursts
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
-from ._modulation import KNOCK_RATIO, KNOCK_SHARE, PULLED_IN, Modulation, modulation, of_samples
+from ._modulation import (
+    KNOCK_RATIO,
+    KNOCK_SHARE,
+    PULLED_IN,
+    Modulation,
+    modulation,
+    of_samples,
+    two_levels,
+)
 from ._vibration import away_from_edges, take_out, vibration
 
-# Sums of up to 2^(this - 1) samples, where they tell so many times as much of N as all samples do.
-_MOST_DOUBLINGS, _CLEARER = 8, 1.5
+# Noise is asked in two ways whether it lasts: so many times the alarm is theirs.
+WAYS = 2.0
+# Sums of up to 2^(this - 1) samples, or weighted frequencies, where they tell so many times as much
+# of N as all samples do. Frequencies above those that tell such a part are left.
+_MOST_DOUBLINGS, _CLEARER, _TOLD = 8, 1.5, 0.99
 # Short spectra of held or rounded values stand out by up to so many times as much by chance, by
 # records of white noise held up to seven samples long, or rounded to five times its deviation. Held
 # for less long on average, or rounded less coarsely, hardly, or not at all.
@@ -65,7 +77,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         changing.p_value,
         "Windowed variances of the whitened record, compared.",
     )
-    loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
+    loud = changing.p_value < WAYS * state.alarm and changing.loud.any() and not changing.loud.all()
     loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
     if loud and may_cut:
         share = changing.loud.mean()
@@ -212,7 +224,7 @@ def _cut_while_quiet(state: Investigation, changing: Modulation) -> bool:
 
 
 def _name_loud_times(state: Investigation, changing: Modulation, gain: Gain) -> None:
-    log_p = float(np.log(max(changing.p_value, 1e-300)))
+    log_p = float(np.log(max(changing.p_value / WAYS, 1e-300)))
     state.modulation = changing
     state.findings.append(Finding("variance_modulation", log_p, 0.0, detail=changing))
     state.gains["variance_modulation"] = gain
@@ -248,18 +260,25 @@ def _modulation_of_n(
 ) -> tuple[Modulation, Float[np.ndarray, " values"]]:
     """When the noise is loud, and the white values that tell.
 
-    Where quantization rules high frequencies, N changes unheard among all samples. Sums of so many
-    that N rules below their Nyquist frequency are independent as well, and tell of it.
+    Where N has but a part of the spectrum it changes unheard among all samples. It is heard best
+    with each frequency weighted by that part. How much louder it gets is told by sums of so many
+    samples that N rules below their Nyquist frequency, which are independent as well.
     """
     found = modulation(white, seed)
-    size = samples_of_n(state)
-    if size == 1:
+    share = _share_of_n(state)
+    if np.mean(share**2) <= _CLEARER * np.mean(share) ** 2:
         return found, white
+    best = modulation(_weighted(white, state.left.frequency, share), seed)
+    p_value = min(2 * found.p_value, 2 * best.p_value, 1.0)
+    size = samples_of_n(state)
     sums = summed(white, size)
     slow = modulation(sums, seed)
-    p_value = min(2 * found.p_value, 2 * slow.p_value, 1.0)
+    if not slow.loud.any() and best.loud.any():
+        places = np.arange(sums.size) * best.loud.size // sums.size
+        window = -(-best.window * sums.size // best.loud.size)
+        slow = two_levels(sums, best.loud[places], window, seed)
     # The less likely one says when it is loud, unless it cannot.
-    if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -slow.p_value):
+    if (found.loud.any(), -found.p_value) >= (slow.loud.any(), -best.p_value):
         return found._replace(p_value=p_value), white
     found = slow.of(of_samples(np.arange(sums.size), size, white.size))
     odds = None if found.odds is None else found.odds / size
@@ -267,9 +286,33 @@ def _modulation_of_n(
     return found, sums
 
 
+def _share_of_n(state: Investigation) -> Float[np.ndarray, " frequencies"]:
+    """The part of the noise that is N, at the frequencies of what is left."""
+    return np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
+
+
+def _weighted(
+    white: Float[np.ndarray, " samples"],
+    frequency: Float[np.ndarray, " frequencies"],
+    share: Float[np.ndarray, " frequencies"],
+) -> Float[np.ndarray, " values"]:
+    """Noise of which each frequency has a power that is the `share` [cycles/sample].
+
+    The log-likelihood of a slightly larger N is, but for a constant, that of these squares times
+    half of how much larger it is. Above the frequencies that tell there is nothing, and as many
+    samples fewer.
+    """
+    cosines = np.asarray(dct(np.clip(white, -PULLED_IN, PULLED_IN), norm="ortho"))
+    share = np.interp(np.arange(white.size) / (2 * white.size), frequency, share)
+    told = np.cumsum(share**2)
+    kept = int(np.searchsorted(told, _TOLD * told[-1])) + 1
+    values = np.asarray(idct((cosines * np.sqrt(share))[:kept], norm="ortho"))
+    return values / values.std()
+
+
 def samples_of_n(state: Investigation) -> int:
     """As many samples together tell most of N: the square of its share in them, for each sample."""
-    share = np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
+    share = _share_of_n(state)
     sizes = 2 ** np.arange(_MOST_DOUBLINGS)
     sizes = sizes[0.5 / sizes >= state.left.frequency[0]]
     told = [np.mean(share[state.left.frequency <= 0.5 / size]) ** 2 / size for size in sizes]

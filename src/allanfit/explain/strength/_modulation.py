@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 from scipy.fft import dct, irfft, next_fast_len, rfft
 from scipy.stats import chi2, f
 
+from ._levels import Levels, levels_that_last, window_of
 from ._varying import varying
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
@@ -160,40 +161,61 @@ def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
 
 def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     """When the noise is loud and when quiet: a hidden Markov model of two variances."""
-    p_value, slowest, variance = uneven(white)
+    by_windows, slowest, variance = uneven(white)
+    lasting, longest = _lasting(white, variance)
+    # Either may tell.
+    p_value = min(1.0, 2 * by_windows, 2 * (1.0 if lasting is None else lasting.p_value))
     window = max(slowest // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
     power = local_power(white, window)
-    # So many independent normal samples have as certain a mean square.
-    weight = float(2 * np.mean(power) ** 2 * window / variance)
-
-    def told(path: Bool[np.ndarray, " windows"]) -> Modulation:
-        return _between_levels(white, path, window, weight, seed)._replace(p_value=p_value)
-
+    weight = _weight(power, window, variance)
     labels = _levels(power, weight)
-    found = told(labels > 0)
+    loud = of_samples(labels > 0, window, white.size)
+    found = _between_levels(white, loud, window, weight, seed)._replace(p_value=p_value)
     if p_value >= _UNEVEN:
         return found
     found = _with_strength(found, white, labels, weight, seed)
-    if slowest >= _LONG_WINDOW and not found.loud.any():
-        # That it varies is known already, and few changes do it.
-        path, *_ = _two_levels(power, weight, (np.log(power.size) / 2,))
-        found = told(path)
+    if lasting is None or found.strength is not None:
+        return found
+    # The likeliest path leaves out what does not stand out by itself.
+    if lasting.p_value < by_windows or not found.loud.any():
+        loud = of_samples(lasting.path, longest, white.size)
+        return two_levels(white, loud, longest, seed)._replace(p_value=p_value)
     return found
 
 
+def _lasting(white: Samples, variance: float) -> tuple[Levels | None, int]:
+    """Two levels that last, where there are windows enough to tell, and the window."""
+    window = window_of(white.size, _SHORTEST_WINDOW)
+    if window is None or not white.any():
+        return None, _SHORTEST_WINDOW
+    power = local_power(white, window)
+    return levels_that_last(power, _weight(power, window, variance)), window
+
+
+def _weight(power: Windows, window: int, variance: float) -> float:
+    """So many independent normal samples have as certain a mean square as windows have."""
+    return float(2 * np.mean(power) ** 2 * window / variance)
+
+
+def two_levels(white: Samples, loud: Flags, window: int, seed: int) -> Modulation:
+    """Two levels of noise at times that are known to a window."""
+    *_, variance = uneven(white)
+    weight = _weight(local_power(white, window), window, variance)
+    return _between_levels(white, loud, window, weight, seed)
+
+
 def _between_levels(
-    white: Samples, path: Bool[np.ndarray, " windows"], window: int, weight: float, seed: int
+    white: Samples, samples: Flags, window: int, weight: float, seed: int
 ) -> Modulation:
-    """Two levels, of the windows that are loud and of the others."""
-    samples = of_samples(path, window, white.size)
+    """Two levels, of the samples that are loud and of the others, in windows of some weight."""
     quiet = loud = float(local_power(white, window).mean())
     odds = None
-    if path.any():
+    if samples.any():
         quiet, loud = _variances(white, samples.astype(int), window)
         odds = _odds(white, quiet, loud)
     rng = np.random.default_rng(seed)
-    freedom = np.maximum([np.sum(~path) * weight, np.sum(path) * weight], 2)
-    spread = np.sqrt(2 / freedom)
+    windows = np.array([np.sum(~samples), np.sum(samples)]) / window
+    spread = np.sqrt(2 / np.maximum(windows * weight, 2))
     log_ratio = np.log(loud / quiet) / 2
     draws = np.exp(log_ratio + rng.standard_normal(2000) * np.hypot(*spread) / 2)
     return Modulation(float(np.exp(log_ratio)), draws, samples, window, 1.0, odds=odds)
