@@ -4,22 +4,29 @@
 
 Noise that is as strong at all times says how true the chance is, also where whitening leaves a
 correlation or values are not normal. Loud times are those of `benchmarks.concealed`, two to five
-stretches, with lambda of twelve to fifty: what the squares say of them, half of the samples times
-the variance of the relative power.
+stretches, or one tenth of the record, or it is louder and louder, with lambda of twelve to fifty:
+what the squares say of them, half of the samples times the variance of the relative power. The
+chance by windows, by levels that last, and by either, as `explain` takes it; at last windows alone,
+of few and of many degrees of freedom, of which levels that last have to make as little.
 """
 
 import argparse
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 from rich.progress import track
 
-from allanfit.explain.strength._modulation import uneven
+from allanfit.explain._investigate import ALARM
+from allanfit.explain.strength._lasting import WAYS
+from allanfit.explain.strength._levels import levels_that_last
+from allanfit.explain.strength._modulation import lasting_levels, uneven
 
 from .concealed._slow import inside, stretches
 
 SAMPLES = 120_000
-LEVELS = (0.05, 0.01, 0.001)
+LEVELS = (0.05, 0.01, WAYS * ALARM)
+WINDOWS = ((64, 32), (64, 1000), (128, 100), (256, 32), (256, 1000))
 STRENGTHS = (12.0, 25.0, 50.0)
 
 
@@ -37,12 +44,33 @@ def laplace(rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
     return rng.laplace(size=SAMPLES) / 2**0.5
 
 
-def loud(rng: np.random.Generator, strength: float) -> Float[np.ndarray, " samples"]:
-    times = inside(np.arange(SAMPLES) + 0.5, stretches(rng, SAMPLES))
-    share = times.mean()
-    excess = np.sqrt(2 * strength / SAMPLES / (share * (1 - share)))
-    noise = rng.standard_normal(SAMPLES) * np.sqrt(1 + excess * times)
+def loud_stretches(rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
+    return inside(np.arange(SAMPLES) + 0.5, stretches(rng, SAMPLES)).astype(float)
+
+
+def loud_tenth(rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
+    begin = rng.uniform(0.0, 0.9) * SAMPLES
+    return inside(np.arange(SAMPLES) + 0.5, ((begin, begin + SAMPLES / 10),)).astype(float)
+
+
+def louder_and_louder(rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
+    return np.linspace(*rng.permutation([0.0, 1.0]), SAMPLES)
+
+
+def changing(course, strength: float, rng: np.random.Generator) -> Float[np.ndarray, " samples"]:
+    """Noise whose power goes with such a course."""
+    course = course(rng)
+    excess = np.sqrt(2 * strength / SAMPLES / np.var(course))
+    noise = rng.standard_normal(SAMPLES) * np.sqrt(1 + excess * course)
     return noise / noise.std()
+
+
+def chances(white: Float[np.ndarray, " samples"]) -> tuple[float, float, float]:
+    """By windows, by levels that last, and by either."""
+    windows, _, variance = uneven(white)
+    found, _ = lasting_levels(white, variance)
+    assert found is not None
+    return windows, found.p_value, min(1.0, 2 * windows, 2 * found.p_value)
 
 
 def main(arguments=None):
@@ -53,20 +81,45 @@ def main(arguments=None):
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args(arguments)
     kinds = {"normal": normal, "averaged over three": averaged, "Laplace": laplace}
-    for each in STRENGTHS:
-        kinds[f"loud stretches, lambda {each:g}"] = lambda rng, each=each: loud(rng, each)
+    courses = {
+        "two to five stretches": loud_stretches,
+        "a tenth": loud_tenth,
+        "louder and louder": louder_and_louder,
+    }
+    for name, course in courses.items():
+        for strength in STRENGTHS:
+            kinds[f"{name}, lambda {strength:g}"] = partial(changing, course, strength)
     rows = []
     for place, (name, made) in enumerate(kinds.items()):
-        chances = [
-            uneven(made(np.random.default_rng((asked.seed, place, index))))[0]
+        told = [
+            chances(made(np.random.default_rng((asked.seed, place, index))))
             for index in track(range(asked.records), name)
         ]
-        shares = "".join(f" {np.mean(np.less(chances, level)):.4f} |" for level in LEVELS)
-        rows.append(f"| {name} |{shares}")
+        rows.append(_row(name, np.array(told)))
+    for windows, freedom in WINDOWS:
+        rng = np.random.default_rng((asked.seed, windows, freedom))
+        told = [
+            levels_that_last(rng.chisquare(freedom, windows) / freedom, float(freedom)).p_value
+            for _ in track(range(10 * asked.records), f"{windows} windows")
+        ]
+        rows.append(_row(f"{windows} windows of {freedom}, ten times as many", np.array(told)))
     print(f"{asked.records} records of {SAMPLES:,} samples, seed {asked.seed}\n")
-    print("| noise |" + "".join(f" chance < {level:g} |" for level in LEVELS))
-    print("|---" * (1 + len(LEVELS)) + "|")
+    ways = [f"{way} < {level:g}" for way in ("windows", "levels", "either") for level in LEVELS]
+    print("| noise | " + " | ".join(ways) + " |")
+    print("|---" * (1 + len(ways)) + "|")
     print("\n".join(rows))
+
+
+def _row(name: str, told: Float[np.ndarray, "..."]) -> str:
+    """The shares of chances below each level, by windows, levels and either, or by levels alone."""
+    if told.ndim == 1:
+        told = np.stack([np.full_like(told, np.nan), told, np.full_like(told, np.nan)], axis=1)
+    shares = [
+        "" if np.isnan(way[0]) else f"{np.mean(way < level):.4f}"
+        for way in told.T
+        for level in LEVELS
+    ]
+    return f"| {name} | " + " | ".join(shares) + " |"
 
 
 if __name__ == "__main__":

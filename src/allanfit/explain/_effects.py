@@ -25,7 +25,6 @@ from .spectrum._structure import (
     TWO_POLES,
     UNNAMED,
     bounds,
-    left_of,
     shape_of,
     sieve,
 )
@@ -170,7 +169,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
         else:
             if disguised:
                 # As wide as the resonance, and of its power among the samples.
-                left = left_of(name, first, state.data.averaging)
+                left = np.sinc(first) ** 2 if state.data.averaging else 1.0
                 size, second = np.sqrt(2 * left) * size, 1 / (2 * second)
                 others.pop("drifting_line", None)
             drawn = size, first, first * second

@@ -9,7 +9,7 @@ from scipy.fft import dct
 from scipy.signal import butter, fftconvolve, freqz, lfilter
 
 from allanfit.explain.spectrum._climb import climb, rescale
-from allanfit.explain.spectrum._density import expected_density, log_slopes, parts
+from allanfit.explain.spectrum._density import expected_density, log_slopes, noise_at, parts
 from allanfit.explain.spectrum._model import Model, best, of_samples
 from allanfit.explain.spectrum._ordinates import (
     LEAKAGE_GRID,
@@ -293,3 +293,26 @@ def test_a_structure_keeps_its_shapes_in_a_record_of_another_length():
         three = moved[4 + 3 * place :][:3]
         assert three[0] == 1.0
         np.testing.assert_allclose(shape_of(name, three, fewer), shape, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "density"),
+    [
+        ("power_law", 0.6, lambda f: f**-0.6),
+        ("power_law", 1.6, lambda f: f**-1.6),
+        # One-sided, of variance 1 and a correlation time of 0.7 samples.
+        ("gauss_markov", 0.7, lambda f: 4 * 0.7 / (1 + (2 * np.pi * 0.7 * f) ** 2)),
+    ],
+)
+def test_averages_hold_what_they_fold(name, first, density):
+    """Counted from many multiples of the rate; sinc^2 alone is 40 % short at half of it."""
+    data = data_of(np.random.default_rng(0).standard_normal(SAMPLES))._replace(averaging=1.0)
+    three = theta_of(name, 1.0, first, 1.0)[4:]
+    frequency = np.array([0.02, 0.1, 0.3, 0.499])
+    # Every sine is that of the frequency itself, and falls off as its square beyond.
+    multiples = np.arange(-20_000, 20_001)
+    true = frequency[:, None] + multiples
+    folded = np.sum(np.sinc(true) ** 2 * density(np.abs(true)), axis=1)
+    found = noise_at(name, three, frequency, data)
+    np.testing.assert_allclose(found, folded, rtol=2e-4)
+    assert found[-1] > 1.05 * np.sinc(0.499) ** 2 * density(0.499)

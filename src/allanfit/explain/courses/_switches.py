@@ -40,7 +40,9 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
     found = noise_at("gauss_markov", three, thinned, state.data)
-    found *= gain_at(state.model.theta, "gauss_markov", state.model.kinds, thinned, state.data)
+    found = found * gain_at(
+        state.model.theta, "gauss_markov", state.model.kinds, thinned, state.data
+    )
     signal = np.minimum(np.interp(frequency, thinned, found), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
     levels = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)

@@ -29,7 +29,6 @@ from ._structure import (
     foreign,
     held_rows,
     late_part,
-    left_of,
     shaped,
     with_order,
     without_droop,
@@ -42,6 +41,7 @@ _LENGTH = 1024
 TOGETHER = 4
 
 _quick = quick_to_compile(partial(jax.jit, static_argnums=0))
+_quick_noise = quick_to_compile(partial(jax.jit, static_argnums=(0, 1)))
 
 Starts = Float[np.ndarray, "starts parameters"]
 
@@ -56,12 +56,11 @@ def densities_and_slopes(
     total = noise.sum(axis=1) + foreign(data) * bump
     filtered, added = 0.0, []
     for name, three in zip(kinds.added, _slots(theta, kinds).swapaxes(0, 1), strict=True):
-        slope, density = _evaluated(_density_slopes, name, three, data.bins.nodes, data.samples)
-        left = np.asarray(_left(name, data))
+        slope, density = _evaluated(_slopes_of(data), name, three, data.bins.nodes, data.samples)
+        left = bump
         if _passes(name, kinds):
-            filtered = filtered + density * left
+            filtered = filtered + density
             left = left * gains[1]
-        left = left * bump
         total = total + density * left
         added.append(slope * left[:, None])
     blocks = [noise]
@@ -142,8 +141,9 @@ def noise_density(
     asked = name, threes, data.bins.nodes, data.samples
     # Of few, by the program for slopes: a climb has compiled it, or soon will.
     few = len(threes) <= TOGETHER
-    density = _evaluated(_density_slopes, *asked)[1] if few else _evaluated(_density, *asked)
-    return density * _left(name, data)
+    if few:
+        return _evaluated(_slopes_of(data), *asked)[1]
+    return _evaluated(_density_of(data), *asked)
 
 
 def noise_at(
@@ -154,8 +154,8 @@ def noise_at(
 ) -> Float[np.ndarray, " frequencies"]:
     """What an added noise puts into single ordinates [u^2], at frequencies in cycles per sample."""
     nodes = _filled_up(frequency)
-    density = _evaluated(_density, name, np.asarray(three)[None], nodes, data.samples)[0]
-    return density[: len(frequency)] * left_of(name, frequency, data.averaging)
+    three = np.asarray(three)[None]
+    return _evaluated(_density_of(data), name, three, nodes, data.samples)[0, : len(frequency)]
 
 
 def gain_at(
@@ -191,10 +191,12 @@ def _passes(name: str, kinds: Kinds) -> bool:
     return kinds.last and name != "drifting_line"
 
 
-def _left(name: str, data: Data) -> float | Float[np.ndarray, " bins"]:
-    if not data.averaging:
-        return 1.0
-    return left_of(name, data.bins.nodes[:, 1], data.averaging)
+def _density_of(data: Data) -> Callable[..., Any]:
+    return partial(_density, data.sampling)
+
+
+def _slopes_of(data: Data) -> Callable[..., Any]:
+    return partial(_density_slopes, data.sampling)
 
 
 def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three"]:
@@ -250,15 +252,15 @@ def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: An
     return jax.tree.map(lambda each: np.asarray(each)[:count], found)
 
 
-@_quick
-def _density(name, three, nodes, samples):
-    return jax.vmap(lambda t: added_density(name, t, nodes, samples))(three)
+@_quick_noise
+def _density(sampling, name, three, nodes, samples):
+    return jax.vmap(lambda t: added_density(name, t, nodes, samples, sampling))(three)
 
 
-@_quick
-def _density_slopes(name, three, nodes, samples):
+@_quick_noise
+def _density_slopes(sampling, name, three, nodes, samples):
     def of_shape(shape, scale):
-        return added_density(name, jnp.append(scale, shape), nodes, samples)
+        return added_density(name, jnp.append(scale, shape), nodes, samples, sampling)
 
     slopes, density = _slopes_beside(of_shape, three[:, 1:], three[:, 0])
     # Along the log of its scale a density is its own slope.

@@ -27,6 +27,7 @@ from ...physics import (
     LowPass,
     PowerLaw,
     Resonance,
+    Sampling,
     lowest_cutoff,
 )
 from ._ordinates import _NODES, Bins, averaged
@@ -122,6 +123,10 @@ class Data(NamedTuple):
     terms: Bool[np.ndarray, " terms"] | Bool[Array, " terms"]
     #: One if samples are averages over their interval, else zero.
     averaging: float = 0.0
+
+    @property
+    def sampling(self) -> Sampling:
+        return "averaged" if self.averaging else "point"
 
 
 def without_droop(shaping: str) -> str:
@@ -234,16 +239,22 @@ def shape_of(
     return place, breadth
 
 
-def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Array, " bins"]:
-    """What an added noise puts into each bin [u^2]; exp(three[0]) is its scale squared."""
+def added_density(
+    name: str, three: Any, nodes: Any, samples: Any, sampling: Sampling = "point"
+) -> Float[Array, " bins"]:
+    """What an added noise puts into each bin [u^2]; exp(three[0]) is its scale squared.
+
+    Of the aliases that averages have of a resonance none are counted; a line that wanders is as
+    large as it is among the samples.
+    """
     nodes = jnp.asarray(nodes)
     first, second = shape_of(name, three, samples)
     one = jnp.ones(())
     middle = nodes[:, 1]
     if name == "gauss_markov":
-        density = GaussMarkov(one, first).density(middle, 1.0, "point")
+        density = GaussMarkov(one, first).density(middle, 1.0, sampling)
     elif name == "power_law":
-        density = PowerLaw(first, one).density(middle, 1.0, "point")
+        density = PowerLaw(first, one).density(middle, 1.0, sampling)
     else:
         # A peak narrower than a bin cannot fall between nodes: it is as broad as the bin.
         breadth = (nodes[:, 2] - nodes[:, 0]) / (_NODES[2] - _NODES[0])
@@ -259,16 +270,9 @@ def added_density(name: str, three: Any, nodes: Any, samples: Any) -> Float[Arra
             )
 
         density = averaged(jax.vmap(peak)(nodes, breadth))
+        if name == "resonance" and sampling == "averaged":
+            density *= jnp.sinc(middle) ** 2
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
-
-
-def left_of(name: str, frequency: Any, averaging: float) -> Float[np.ndarray, "*shape"]:
-    """What averages leave of an added noise, but for aliases; 1 of samples at an instant.
-
-    A line that wanders is as large as it is among the samples.
-    """
-    sinc = np.square(np.sinc(np.asarray(frequency)))
-    return np.ones_like(sinc) if name == "drifting_line" else 1 - averaging * (1 - sinc)
 
 
 def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:

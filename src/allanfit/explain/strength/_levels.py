@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.special import logsumexp
 
 # A record is cut into so many windows, or into fewer that are as long as the shortest.
 _WINDOWS, _FEWEST = 256, 64
@@ -19,8 +18,8 @@ _WINDOWS, _FEWEST = 256, 64
 _LASTING = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4)
 _APART = (2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0)
 # The log of the chance that the log of the mean ratio is beyond x by chance alone is this less this
-# times x, for 64 to 256 windows: `benchmarks/levels.py`. It is above what was found everywhere; the
-# mean ratio itself is one on average, so that no slope below one can be true.
+# times x, for 64 to 256 windows: `python -m benchmarks.strength`. The mean ratio itself is one on
+# average, so that a fall of one is true of any.
 _CHANCE, _FALL = -2.9, 1.4
 
 Windows = Float[np.ndarray, " windows"]
@@ -77,8 +76,8 @@ def log_mean_ratio(power: Windows, weight: float) -> tuple[float, Windows]:
         stays = loud[now] * (1 - end) / until
         leaves = loud[now] * end / (1 - until)
         loud[now] = loud[now + 1] * stays + (1 - loud[now + 1]) * leaves
-    mean = float(logsumexp(evidence)) - np.log(evidence.size)
-    return mean, loud @ np.exp(evidence - logsumexp(evidence))
+    total = float(np.logaddexp.reduce(evidence))
+    return total - np.log(evidence.size), loud @ np.exp(evidence - total)
 
 
 def levels_that_last(power: Windows, weight: float) -> Levels:

@@ -162,7 +162,7 @@ def _squared_correlation(white: Float[np.ndarray, " samples"]) -> float:
 def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     """When the noise is loud and when quiet: a hidden Markov model of two variances."""
     by_windows, slowest, variance = uneven(white)
-    lasting, longest = _lasting(white, variance)
+    lasting, longest = lasting_levels(white, variance)
     # Either may tell.
     p_value = min(1.0, 2 * by_windows, 2 * (1.0 if lasting is None else lasting.p_value))
     window = max(slowest // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
@@ -183,8 +183,11 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     return found
 
 
-def _lasting(white: Samples, variance: float) -> tuple[Levels | None, int]:
-    """Two levels that last, where there are windows enough to tell, and the window."""
+def lasting_levels(white: Samples, variance: float) -> tuple[Levels | None, int]:
+    """Two levels that last, where there are windows enough to tell, and the window.
+
+    `variance` is that of the mean square of so many samples, times their number.
+    """
     window = window_of(white.size, _SHORTEST_WINDOW)
     if window is None or not white.any():
         return None, _SHORTEST_WINDOW
