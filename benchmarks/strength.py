@@ -20,7 +20,7 @@ from rich.progress import track
 from allanfit.explain._investigate import ALARM
 from allanfit.explain.strength._lasting import WAYS
 from allanfit.explain.strength._levels import levels_that_last
-from allanfit.explain.strength._modulation import lasting_levels, uneven
+from allanfit.explain.strength._modulation import either, lasting_levels, uneven
 
 from .concealed._slow import inside, stretches
 
@@ -70,7 +70,7 @@ def chances(white: Float[np.ndarray, " samples"]) -> tuple[float, float, float]:
     windows, _, variance = uneven(white)
     found, _ = lasting_levels(white, variance)
     assert found is not None
-    return windows, found.p_value, min(1.0, 2 * windows, 2 * found.p_value)
+    return windows, found.p_value, either(windows, found)
 
 
 def main(arguments=None):
@@ -100,7 +100,7 @@ def main(arguments=None):
         rng = np.random.default_rng((asked.seed, windows, freedom))
         told = [
             levels_that_last(rng.chisquare(freedom, windows) / freedom, float(freedom)).p_value
-            for _ in track(range(10 * asked.records), f"{windows} windows")
+            for _ in track(range(10 * asked.records), f"{windows} windows of {freedom}")
         ]
         rows.append(_row(f"{windows} windows of {freedom}, ten times as many", np.array(told)))
     print(f"{asked.records} records of {SAMPLES:,} samples, seed {asked.seed}\n")

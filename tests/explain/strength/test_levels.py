@@ -73,4 +73,4 @@ def test_levels_are_found_that_windows_do_not_show():
 
 def test_too_few_samples_have_no_levels():
     white = np.random.default_rng(3).standard_normal(2000)
-    assert modulation(white, 0).p_value == min(1.0, 2 * uneven(white)[0])
+    assert modulation(white, 0).p_value == min(1.0, 4 * uneven(white)[0])

@@ -16,13 +16,15 @@ STRENGTH = 2.0
 KNOWN = 12.0
 
 
-def drawn(shift: float, knock: float = 0.0, seed: int = 31) -> np.ndarray:
+def drawn(
+    shift: float, knock: float = 0.0, seed: int = 31, strength: float = STRENGTH
+) -> np.ndarray:
     """White noise of one beside a slow walk; vibration of 0.15 to 0.4 of the Nyquist frequency."""
     rng = np.random.default_rng(seed)
     values = rng.standard_normal(SAMPLES) + 0.004 * np.cumsum(rng.standard_normal(SAMPLES))
     moving = lfilter(*butter(2, [0.15, 0.4], "band"), rng.standard_normal(SAMPLES))
     for start, stop in BOUTS:
-        values[start:stop] += STRENGTH * (moving / moving.std())[start:stop] + shift
+        values[start:stop] += strength * (moving / moving.std())[start:stop] + shift
     values[28_000:28_200] += knock * rng.standard_normal(200)
     return values
 
@@ -52,6 +54,20 @@ def test_vibration_that_shifts_the_mean_is_rectified(knock):
     (size,) = state.sized.sizes
     assert size == pytest.approx(0.4 / STRENGTH**2, rel=0.1)
     assert edges(state) == pytest.approx(np.ravel(BOUTS), abs=3 * KNOWN)
+
+
+@pytest.mark.parametrize("strength", [6.0, 12.0])
+def test_vibration_much_stronger_than_the_noise_leaves_its_quiet_times(strength):
+    """Five hundred times the density of the noise was taken for three times: a bump was left."""
+    state, names = investigated(drawn(0.4, strength=strength))
+    assert names == {"variance_modulation", "vibration_rectification"}
+    assert not state.unknown
+    assert state.model.kinds.shaping is None
+    assert abs(n_of(state) - 1) < 0.011
+    assert state.vibration.variance == pytest.approx(strength**2, rel=0.05)
+    assert state.modulation.ratio == pytest.approx(np.sqrt(1 + strength**2), rel=0.05)
+    (size,) = state.sized.sizes
+    assert size == pytest.approx(0.4 / strength**2, rel=0.1)
 
 
 def test_bouts_begin_and_end_where_mean_and_noise_say():

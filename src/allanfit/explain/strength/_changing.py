@@ -22,6 +22,8 @@ _PLAIN = 0.1
 _FULL = 0.5
 # Less of a tile's power is none; more of a tile is all of it.
 _CUT, _NEARLY_ALL = 0.02, 0.99
+# And no tile has less of what it is whitened by, rounding aside.
+_FAINTEST = 1e-6
 # Of the periods over all tiles the slowest are looked at: one in so many.
 _SLOWEST = 8
 # Contrasts with a smaller part of their own are one.
@@ -31,9 +33,15 @@ _PARALLEL = 1e-3
 Powers = Float[np.ndarray, "_ frequencies"]
 
 
-def tiles(white: Float[np.ndarray, " samples"]) -> Powers:
-    """Powers of short pieces of a white record, from zero to the Nyquist frequency: ones."""
-    return np.abs(np.fft.rfft(_tiled(white))) ** 2 / TILE
+def tiles(
+    white: Float[np.ndarray, " samples"], window: Float[np.ndarray, " tile"] | None = None
+) -> Powers:
+    """Powers of short pieces of a white record, from zero to the Nyquist frequency: ones.
+
+    A `window` keeps what is strong from leaking, and makes neighbours alike.
+    """
+    window = np.ones(TILE) if window is None else window
+    return np.abs(np.fft.rfft(_tiled(white) * window)) ** 2 / np.sum(window**2)
 
 
 def shares(values: Shaped[np.ndarray, " samples"]) -> Float[np.ndarray, " tiles"]:
@@ -114,7 +122,7 @@ def reshaped_at_times(
     of all.
     """
     loud, quiet = loud_and_quiet(powers, share)
-    usual = quiet_spectrum(quiet)
+    usual = quiet_spectrum(loud, quiet)
     return reshaped([loud / usual, quiet / usual], density * usual, usable)
 
 
@@ -123,12 +131,13 @@ def loud_and_quiet(powers: Powers, share: Float[np.ndarray, " tiles"]) -> tuple[
     return powers[share > _NEARLY_ALL], powers[share < 1 - _NEARLY_ALL]
 
 
-def quiet_spectrum(quiet: Powers) -> Float[np.ndarray, " frequencies"]:
-    """The mean of tiles, or one where a line was cut out."""
+def quiet_spectrum(loud: Powers, quiet: Powers) -> Float[np.ndarray, " frequencies"]:
+    """The mean of quiet tiles, or one where a line was cut out, of loud ones as well."""
     if not len(quiet):
         return np.ones(quiet.shape[1])
     usual = quiet.mean(axis=0)
-    return np.where(usual > _CUT, usual, 1.0)
+    strongest = np.maximum(usual, loud.mean(axis=0) if len(loud) else 0.0)
+    return np.where(strongest > _CUT, np.maximum(usual, _FAINTEST), 1.0)
 
 
 def moved_along(

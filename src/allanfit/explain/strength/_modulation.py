@@ -26,6 +26,8 @@ _LONG_WINDOW, _UNCORRELATED = 16 * _SHORTEST_WINDOW, 0.01
 _LAGS = 1024
 # Windows of at most this many are told apart by the hidden Markov model.
 _MOST_WINDOWS = 4096
+# The part of false alarms that is left to windows, for what levels that last do not show.
+_BRIEF = 0.25
 # From such a chance on the strength is followed, and levels are measured so many times over.
 _UNEVEN, _AGAIN = 1e-3, 3
 # Loud for less of the record, and by more, is a knock and no change of the noise.
@@ -87,9 +89,12 @@ class Modulation(NamedTuple):
         # The odds are linear in the squares of the noise, in some unit.
         squares = 2 * self.summed * self.odds + 2 * np.log(self.ratio)
         quiet, louder = (max(float(np.mean(squares[of])), 1e-9) for of in (~loud, loud))
-        ratio, odds = float(np.sqrt(louder / quiet)), _log_odds(squares, quiet, louder)
-        draws = self.draws * ratio / self.ratio
-        return self._replace(loud=loud, ratio=ratio, draws=draws, odds=odds / self.summed)
+        odds = _log_odds(squares, quiet, louder) / self.summed
+        return self._replace(loud=loud, odds=odds).louder_by(float(np.sqrt(louder / quiet)))
+
+    def louder_by(self, ratio: float) -> "Modulation":
+        """Another ratio of the deviations, as certain as this one."""
+        return self._replace(ratio=ratio, draws=self.draws * ratio / self.ratio)
 
     def deviation(self) -> Float[np.ndarray, " samples"]:
         """Of each sample, over that of the quiet times."""
@@ -163,8 +168,7 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     """When the noise is loud and when quiet: a hidden Markov model of two variances."""
     by_windows, slowest, variance = uneven(white)
     lasting, longest = lasting_levels(white, variance)
-    # Either may tell.
-    p_value = min(1.0, 2 * by_windows, 2 * (1.0 if lasting is None else lasting.p_value))
+    p_value = either(by_windows, lasting)
     window = max(slowest // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
     power = local_power(white, window)
     weight = _weight(power, window, variance)
@@ -181,6 +185,12 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
         loud = of_samples(lasting.path, longest, white.size)
         return two_levels(white, loud, longest, seed)._replace(p_value=p_value)
     return found
+
+
+def either(by_windows: float, lasting: Levels | None) -> float:
+    """The chance that windows or levels that last are as unlikely; mostly these are told first."""
+    by_levels = 1.0 if lasting is None else lasting.p_value
+    return min(1.0, by_windows / _BRIEF, by_levels / (1 - _BRIEF))
 
 
 def lasting_levels(white: Samples, variance: float) -> tuple[Levels | None, int]:

@@ -38,6 +38,9 @@ _FAR, _PASSES = 4, 4
 _BROAD = 12
 # Neighbours whose excess is averaged, and standard deviations from which on it is one.
 _TOGETHER, _CLEAR = 5, 3.0
+# By as much the variance of a mean of neighbours is larger where a window makes them alike: with
+# the squared correlations 4/9 and 1/36 of a Hann window, (5 + 8 * 4/9 + 6/36) / 5.
+_ALIKE = 1.75
 # Of the noise, what may be left at the quietest, and what may have been taken too much; and bands
 # in which evenness is told.
 _LEAST, _MOST, _BANDS, _BAND = 0.95, 3.0, 9, 14
@@ -88,8 +91,10 @@ def vibration(
         reshaped_at_times(powers, share, each) is None for each in (density, np.ones_like(density))
     ):
         return None
+    # Beside strong vibration quiet frequencies would have what it leaks.
+    powers = tiles(white, hann(TILE, sym=False))
     there, quiet = loud_and_quiet(powers, share)
-    usual = quiet_spectrum(quiet)
+    usual = quiet_spectrum(there, quiet)
     if changing.strength is None:
         course, excess = loud.astype(float), there.mean(axis=0) / usual - 1
     else:
@@ -100,7 +105,7 @@ def vibration(
         excess, course = excess / (1 + least * excess), np.maximum(course - least, 0.0)
     slow = excess[_SHIFT:_SLOW].mean()
     excess = uniform_filter1d(excess, _TOGETHER)
-    error = np.sqrt((1 / len(there) + 1 / len(quiet)) / _TOGETHER)
+    error = np.sqrt((1 / len(there) + 1 / len(quiet)) * _ALIKE / _TOGETHER)
     excess[excess < _CLEAR * error] = 0.0
     breadth = excess.sum() ** 2 / max(np.sum(excess**2), 1e-300)
     if breadth < _BROAD:
@@ -117,6 +122,10 @@ def vibration(
     middle = float(power @ at / power.sum())
     width = float(np.sqrt(power @ (at - middle) ** 2 / power.sum())) / middle
     times = changing._replace(loud=loud)
+    if changing.strength is None:
+        # White noise that was made so by all of it is louder by less.
+        quietest = float(np.sum((usual * density)[_SLOW:]))
+        times = times.louder_by(float(np.sqrt(1 + power.sum() / quietest)))
     found = Vibration(times, float(power.sum() / excess.size), course, middle, width, state.values)
     return found, excess
 
