@@ -18,14 +18,13 @@ from jaxtyping import Float
 from rich.progress import track
 
 from allanfit.explain._investigate import ALARM
-from allanfit.explain.strength._lasting import WAYS
 from allanfit.explain.strength._levels import levels_that_last
 from allanfit.explain.strength._modulation import either, lasting_levels, uneven
 
 from .concealed._slow import inside, stretches
 
 SAMPLES = 120_000
-LEVELS = (0.05, 0.01, WAYS * ALARM)
+LEVELS = (0.05, 0.01, ALARM)
 WINDOWS = ((64, 32), (64, 1000), (128, 100), (256, 32), (256, 1000))
 STRENGTHS = (12.0, 25.0, 50.0)
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from allanfit.explain.simulation._document import simulation_document
 from allanfit.explain.simulation._references import Reference, references, terms_of
 from allanfit.explain.simulation._same_effect import pairs
 from allanfit.identify import fit_series
+from allanfit.physics import SYMBOLS
 from allanfit.report._explain_rows import simulation_rows
 from allanfit.report._explain_verdict import simulation_sentence
 
@@ -340,3 +342,44 @@ def test_a_step_of_a_simulation_is_told_with_its_time(tmp_path):
     (when,) = re.findall(r"a step of the bias, at ([0-9.]+) s", said)
     # Six times what (sigma/step)^2 says in samples.
     assert float(when) == pytest.approx(80, abs=0.4)
+
+
+def test_a_walk_that_no_band_shows_is_told_by_all_of_them():
+    """K of a half has some ten ordinates that tell, of which bands have a few each."""
+    rng, seconds, told = np.random.default_rng(3), 4 * SAMPLES / RATE, []
+
+    def fitted(size):
+        walk = size * np.cumsum(rng.standard_normal(4 * SAMPLES))
+        return fit_series(walk + rng.standard_normal(4 * SAMPLES), RATE)
+
+    for _ in range(12):
+        fit, other = fitted(0.02), fitted(0.01)
+        reference = Reference(*terms_of(other), "deg/s", "gyro", "a.npz", "gyro_x")
+        same = replace(reference, **spectrum_of(other))
+        told += differences(fit, same, seconds)
+    together = [each for each in told if "all frequencies together show" in each["sentence"]]
+    assert len(together) >= 3
+    for entry in together:
+        assert (entry["cause"], entry["coefficient"]) == ("coefficient", "K")
+        assert "its K is too small" in entry["sentence"]
+        assert entry["high"] < 3.0
+        assert entry["ratio"] > 1.5
+
+
+def test_a_coefficient_that_the_spectrum_denies_is_not_off():
+    """Other physics stands for it: the powers are alike."""
+    fit = fit_series(np.random.default_rng(4).standard_normal(SAMPLES), RATE)
+    values, deviations = terms_of(fit)
+    off = values.copy()
+    off[SYMBOLS.index("N")] *= 1.3
+    reference = Reference(off, deviations, "deg/s", "gyro", "a.npz", "gyro_x", **spectrum_of(fit))
+    assert not differences(fit, reference, SAMPLES / RATE)
+
+
+def spectrum_of(fit):
+    density = np.asarray(fit.estimate.statistics.density, float)
+    return {
+        "frequency": np.asarray(fit.design.frequency) * RATE,
+        "density": density / RATE,
+        "ordinates": np.asarray(fit.design.ordinates, float),
+    }

@@ -62,7 +62,7 @@ def test_levels_are_found_that_windows_do_not_show():
         white /= white.std()
         told = modulation(white, 0)
         by_windows += uneven(white)[0] < 0.0008
-        if told.p_value < 0.0016:
+        if told.p_value < 0.0008:
             by_either += 1
             right.append(np.mean(course[told.loud]))
     assert by_windows <= 24

@@ -12,7 +12,7 @@ from ...physics import EFFECTS, SYMBOLS, AbstractFilter
 from .._effect import Effect
 from .._mismatch import Located, Mismatch, meet, span
 from ..spectrum._structure import NARROW
-from ._differences import SIGNIFICANT, Difference, differences
+from ._differences import SIGNIFICANT, Difference, differences, where_it_shows
 from ._references import Reference
 from ._same_effect import Pair, pairs
 
@@ -22,6 +22,9 @@ _RAMP = SYMBOLS.index("R")
 # What the simulation alone seems to have, and no band shows, has to be as unlikely as this: the
 # recording may have it too, and not have shown it quite.
 _CLEAR = 1e-6
+# A coefficient of which no band tells enough alone is off if it is so by such a chance, beside that
+# of all bands; and the power where it shows is off as well, by such a chance.
+_UNSEEN, _SEEN = SIGNIFICANT / 5, 0.05
 # A coefficient beside effects that are in doubt is off if it is by such a part.
 _DOUBTFUL_PART = 0.1
 # One of these times as large, within such a part, is a number in another unit.
@@ -128,6 +131,10 @@ def compared(
     named = [id(effect) for _, cause in joined for effect in cause.named]
     entries = [_entry(*band) for band in joined]
     entries += _ramp(values, error, reference, seconds)
+    blamed = {cause.coefficient for _, cause in bands}
+    for which, chance in enumerate(_chances(values, error, reference)):
+        if apart[which] and chance < _UNSEEN and SYMBOLS[which] not in blamed:
+            entries += _unseen_term(which, before, own, reference, float(chance))
     entries += [_sized(pair, unit_of) for pair in effects.off if id(pair.own.effect) not in named]
     # A band of an octave does not say where a line is.
     entries += [
@@ -185,6 +192,54 @@ def _ramp(
             "ratio": ratio,
             "p_value": chance,
             "sentence": f"Throughout, the recording drifts {size} the simulation: {cause.why}.",
+            **cause.fields,
+        }
+    ]
+
+
+def _chances(
+    terms: Float[np.ndarray, " terms"],
+    deviations: Float[np.ndarray, " terms"],
+    reference: Reference,
+) -> Float[np.ndarray, " noise"]:
+    """That any of Q, N, B and K is as far from that of the simulation by chance.
+
+    Of one that either does not show, its deviation does not say how large it may be.
+    """
+    error = np.hypot(deviations, reference.deviations)[:4]
+    distance = np.abs(terms - reference.coefficients)[:4]
+    chances = np.minimum(2 * error.size * norm.sf(distance / np.maximum(error, 1e-300)), 1.0)
+    shown = terms > _APART * deviations
+    shown &= reference.coefficients > _APART * reference.deviations
+    return np.where(shown[:4], chances, 1.0)
+
+
+def _unseen_term(
+    which: int,
+    before: Fit,
+    own: tuple[Float[np.ndarray, " terms"], Float[np.ndarray, " terms"]],
+    reference: Reference,
+    chance: float,
+) -> list[Mismatch]:
+    """A coefficient that is off, of which no band tells enough alone.
+
+    Unless all of them together deny it: other physics may be in its place.
+    """
+    there = where_it_shows(before, own[0], reference, which)
+    larger = own[0][which] > reference.coefficients[which]
+    if there.chance > _SEEN or (there.ratio > 1) != larger:
+        return []
+    cause = _of_size(which, *own, reference)
+    where = span(there.low, there.high)
+    return [
+        {
+            "domain": "frequency",
+            "low": there.low,
+            "high": there.high,
+            "unit": "Hz",
+            "ratio": there.ratio,
+            "p_value": chance,
+            "sentence": f"{where} the two differ, as all frequencies together show: {cause.why}.",
             **cause.fields,
         }
     ]

@@ -1,6 +1,6 @@
 """In which bands a recording and a simulation differ by more than chance, and by what."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -41,41 +41,102 @@ class Difference(NamedTuple):
         return {"domain": "frequency", "low": self.low, "high": self.high, "unit": "Hz"}
 
 
+class _Spectra(NamedTuple):
+    """The recording's spectrum, a simulation beside it, and what the five terms put in each bin."""
+
+    frequency: Float[np.ndarray, " bins"]
+    density: Float[np.ndarray, " bins"]
+    ordinates: Float[np.ndarray, " bins"]
+    #: Densities of Q, N, B and K of one.
+    unit: Float[np.ndarray, "bins noise"]
+    #: The recording's five terms alone.
+    model: Float[np.ndarray, " bins"]
+    reference: Reference
+
+    @classmethod
+    def of(cls, before: Fit, reference: Reference) -> "_Spectra":
+        dt = 1 / float(before.rate_hz)
+        unit = np.asarray(before.design.density) * dt / np.asarray(unit_scale(dt), float)[:4] ** 2
+        return cls(
+            np.asarray(before.design.frequency) / dt,
+            np.asarray(before.estimate.statistics.density, float) * dt,
+            np.asarray(before.design.ordinates),
+            unit,
+            unit @ terms_of(before)[0][:4] ** 2,
+            reference,
+        )
+
+    def mean(self, values: Float[np.ndarray, " bins *_"], part: slice) -> Any:
+        """Over the model, so that steep densities are not those of a band's edge.
+
+        Of a band, not ratios of single bins: those of few ordinates have no mean.
+        """
+        relative = values[part] / self.model[part].reshape(-1, *(1,) * (values.ndim - 1))
+        return np.average(relative, axis=0, weights=self.ordinates[part])
+
+    def beside(self, part: slice) -> tuple[float, float, float]:
+        """The mean densities of both over the model, and the ordinates of the simulation."""
+        seen, one = float(self.mean(self.density, part)), self.reference
+        if one.density is None:
+            theirs = self.mean(self.unit, part) @ one.coefficients[:4] ** 2
+            return seen, float(theirs), _EXACT
+        end = self.frequency[part.stop] if part.stop < self.frequency.size else np.inf
+        return seen, *_simulated(one, self.frequency, self.model, part, end)
+
+    def chance(self, ratio: float, part: slice, others: float, tests: int) -> float:
+        return _two_sided(ratio, float(self.ordinates[part].sum()), others, tests)
+
+
 def differences(
     before: Fit, own: Float[np.ndarray, " terms"], reference: Reference
 ) -> list[Difference]:
-    dt = 1 / float(before.rate_hz)
-    frequency = np.asarray(before.design.frequency) / dt
-    density = np.asarray(before.estimate.statistics.density, float) * dt
-    ordinates = np.asarray(before.design.ordinates)
-    unit = np.asarray(before.design.density) * dt / np.asarray(unit_scale(dt), float)[:4] ** 2
-    model = unit @ terms_of(before)[0][:4] ** 2
-    begins = range(0, frequency.size, _BINS_A_BAND)
+    spectra = _Spectra.of(before, reference)
+    size = spectra.frequency.size
+    begins = range(0, size, _BINS_A_BAND)
     found = []
     for begin in begins:
-        part = slice(begin, begin + _BINS_A_BAND)
-        end = frequency[begin + _BINS_A_BAND] if begin + _BINS_A_BAND < frequency.size else np.inf
-        weight = ordinates[part]
-        # As parts of the model, so that steep densities are not those of a band's edge. Sums over
-        # a band, not ratios of single bins: those of few ordinates have no mean.
-        shape = np.average(unit[part] / model[part, None], axis=0, weights=weight)
+        part = slice(begin, min(begin + _BINS_A_BAND, size))
+        shape = spectra.mean(spectra.unit, part)
         ours, theirs = (shape * each[:4] ** 2 for each in (own, reference.coefficients))
-        seen = float(np.average(density[part] / model[part], weights=weight))
-        if reference.density is None:
-            drawn, count = float(theirs.sum()), _EXACT
-        else:
-            drawn, count = _simulated(reference, frequency, model, part, end)
+        seen, drawn, count = spectra.beside(part)
         if count == 0:
             continue
-        chance = _two_sided(seen / drawn, weight.sum(), count, len(begins))
+        ratio = seen / drawn
+        chance = spectra.chance(ratio, part, count, len(begins))
         if chance < SIGNIFICANT:
             beyond = seen - float(ours.sum()), drawn - float(theirs.sum())
-            low, high = (float(frequency[part][end]) for end in (0, -1))
-            place, ratio = (low, high), seen / drawn
+            low, high = (float(spectra.frequency[part][end]) for end in (0, -1))
+            place = low, high
             explained = float(ours.sum() / max(theirs.sum(), 1e-300))
-            rest = _two_sided(ratio / explained, weight.sum(), count, len(begins))
+            rest = spectra.chance(ratio / explained, part, count, len(begins))
             found.append(Difference(*place, ratio, place, chance, ours - theirs, beyond, rest))
     return found
+
+
+class Together(NamedTuple):
+    """All frequencies [Hz] at which a term shows, and how the two differ there."""
+
+    low: float
+    high: float
+    #: The recording's power over that of the simulation.
+    ratio: float
+    chance: float
+
+
+def where_it_shows(
+    before: Fit, own: Float[np.ndarray, " terms"], reference: Reference, which: int
+) -> Together:
+    """Where a term has at least half of the largest share that it has in either."""
+    spectra = _Spectra.of(before, reference)
+    density = spectra.unit * np.stack([own[:4], reference.coefficients[:4]])[:, None] ** 2
+    share = (density[..., which] / np.maximum(density.sum(axis=2), 1e-300)).max(axis=0)
+    shown = np.flatnonzero(share >= share.max() / 2)
+    part = slice(int(shown[0]), int(shown[-1]) + 1)
+    low, high = (float(spectra.frequency[part][end]) for end in (0, -1))
+    seen, drawn, count = spectra.beside(part)
+    if count == 0:
+        return Together(low, high, 1.0, 1.0)
+    return Together(low, high, seen / drawn, spectra.chance(seen / drawn, part, count, 1))
 
 
 def _simulated(

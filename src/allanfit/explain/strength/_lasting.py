@@ -37,8 +37,6 @@ from ._modulation import (
 )
 from ._vibration import away_from_edges, take_out, vibration
 
-# Noise is asked in two ways whether it lasts: so many times the alarm is theirs.
-WAYS = 2.0
 # Sums of up to 2^(this - 1) samples, or weighted frequencies, where they tell so many times as much
 # of N as all samples do. Frequencies above those that tell such a part are left.
 _MOST_DOUBLINGS, _CLEARER, _TOLD = 8, 1.5, 0.99
@@ -77,7 +75,7 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         changing.p_value,
         "Windowed variances of the whitened record, compared.",
     )
-    loud = changing.p_value < WAYS * state.alarm and changing.loud.any() and not changing.loud.all()
+    loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
     loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
     if loud and may_cut:
         share = changing.loud.mean()
@@ -224,7 +222,7 @@ def _cut_while_quiet(state: Investigation, changing: Modulation) -> bool:
 
 
 def _name_loud_times(state: Investigation, changing: Modulation, gain: Gain) -> None:
-    log_p = float(np.log(max(changing.p_value / WAYS, 1e-300)))
+    log_p = float(np.log(max(changing.p_value, 1e-300)))
     state.modulation = changing
     state.findings.append(Finding("variance_modulation", log_p, 0.0, detail=changing))
     state.gains["variance_modulation"] = gain
