@@ -33,7 +33,7 @@ from .strength._changing import (
     swinging,
     tiles,
 )
-from .strength._lasting import forget_loud_times, samples_of_n, summed
+from .strength._lasting import forget_loud_times, weighted_by_n
 from .strength._modulation import PULLED_IN, uneven
 from .values._held_out import of_swing
 from .values._spikes import USUAL
@@ -233,14 +233,16 @@ def _swing(state: Investigation, white: Float[np.ndarray, " samples"]) -> None:
         white = white / state.deviation[slice(*state.longest)]
     # What loud times tell of already comes again at the harmonics of how often there are any.
     longest = np.inf if state.modulation is None else 2.0 * state.modulation.window
-    # Where quantization rules high frequencies, sums of samples tell how N swings.
+    # Where N has but a part of the spectrum, frequencies weighted by it tell how N swings.
     found = []
-    for size in sorted({1, samples_of_n(state)}):
-        sums = summed(white, size)
-        sums = np.clip(sums / sums.std(), -PULLED_IN, PULLED_IN)
-        each = swinging(sums, longest / size)
+    for values in (white, weighted_by_n(state, white)):
+        if values is None:
+            continue
+        size = white.size / values.size
+        values = np.clip(values / values.std(), -PULLED_IN, PULLED_IN)
+        each = swinging(values, longest / size)
         if each is not None:
-            found.append((each[1], each[0] * size, size, sums))
+            found.append((each[1], each[0] * size, size, values))
     if not found:
         return
     log_p, period, size, white = min(found, key=lambda one: one[0])

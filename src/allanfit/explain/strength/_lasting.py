@@ -263,10 +263,10 @@ def _modulation_of_n(
     samples that N rules below their Nyquist frequency, which are independent as well.
     """
     found = modulation(white, seed)
-    share = _share_of_n(state)
-    if np.mean(share**2) <= _CLEARER * np.mean(share) ** 2:
+    weighted = weighted_by_n(state, white)
+    if weighted is None:
         return found, white
-    best = modulation(_weighted(white, state.left.frequency, share), seed)
+    best = modulation(weighted, seed)
     p_value = min(2 * found.p_value, 2 * best.p_value, 1.0)
     size = samples_of_n(state)
     sums = summed(white, size)
@@ -289,19 +289,21 @@ def _share_of_n(state: Investigation) -> Float[np.ndarray, " frequencies"]:
     return np.minimum(2 * np.exp(state.model.theta[1]) / state.variance, 1.0)
 
 
-def _weighted(
-    white: Float[np.ndarray, " samples"],
-    frequency: Float[np.ndarray, " frequencies"],
-    share: Float[np.ndarray, " frequencies"],
-) -> Float[np.ndarray, " values"]:
-    """Noise of which each frequency has a power that is the `share` [cycles/sample].
+def weighted_by_n(
+    state: Investigation, white: Float[np.ndarray, " samples"]
+) -> Float[np.ndarray, " values"] | None:
+    """Noise of which each frequency has a power that is the part of N, where that tells more of N.
 
     The log-likelihood of a slightly larger N is, but for a constant, that of these squares times
     half of how much larger it is. Above the frequencies that tell there is nothing, and as many
     samples fewer.
     """
+    share = _share_of_n(state)
+    if np.mean(share**2) <= _CLEARER * np.mean(share) ** 2:
+        return None
     cosines = np.asarray(dct(np.clip(white, -PULLED_IN, PULLED_IN), norm="ortho"))
-    share = np.interp(np.arange(white.size) / (2 * white.size), frequency, share)
+    at = np.arange(white.size) / (2 * white.size)
+    share = np.interp(at, state.left.frequency, share)
     told = np.cumsum(share**2)
     kept = int(np.searchsorted(told, _TOLD * told[-1])) + 1
     values = np.asarray(idct((cosines * np.sqrt(share))[:kept], norm="ortho"))
