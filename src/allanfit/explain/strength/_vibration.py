@@ -92,8 +92,7 @@ def vibration(
     ):
         return None
     # Beside strong vibration quiet frequencies would have what it leaks.
-    powers = tiles(white, hann(TILE, sym=False))
-    there, quiet = loud_and_quiet(powers, share)
+    there, quiet = loud_and_quiet(tiles(white, hann(TILE, sym=False)), share)
     usual = quiet_spectrum(there, quiet)
     if changing.strength is None:
         course, excess = loud.astype(float), there.mean(axis=0) / usual - 1
@@ -105,7 +104,8 @@ def vibration(
         excess, course = excess / (1 + least * excess), np.maximum(course - least, 0.0)
     slow = excess[_SHIFT:_SLOW].mean()
     excess = uniform_filter1d(excess, _TOGETHER)
-    error = np.sqrt((1 / len(there) + 1 / len(quiet)) * _ALIKE / _TOGETHER)
+    alike = _ALIKE if changing.strength is None else 1.0
+    error = np.sqrt((1 / len(there) + 1 / len(quiet)) * alike / _TOGETHER)
     excess[excess < _CLEAR * error] = 0.0
     breadth = excess.sum() ** 2 / max(np.sum(excess**2), 1e-300)
     if breadth < _BROAD:
