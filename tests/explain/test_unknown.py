@@ -6,6 +6,7 @@ from scipy.signal import butter, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
+from allanfit.explain._investigate import investigate
 from allanfit.explain.lines._changing import _pulse
 from allanfit.explain.lines._moving import Band
 from allanfit.explain.lines._sidebands import even
@@ -168,3 +169,17 @@ def test_a_resonance_beside_a_sweep_keeps_its_name(tmp_path, noise):
     assert any("sweeps" in effect["sentence"] for effect in channel["effects"])
     (resonance,) = (each for each in channel["effects"] if each["name"] == "resonance")
     assert resonance["parameters"]["frequency"]["value"] == pytest.approx(15, rel=0.02)
+
+
+def test_a_sweep_leaves_no_filter_behind():
+    """Its band was the foot of a filter, and Q behind that four times N; there is no Q."""
+    samples, rng = 60_000, np.random.default_rng(2)
+    cycles = np.cumsum(0.05 * 8 ** (np.arange(samples) / samples))
+    values = rng.standard_normal(samples) + 0.4 * np.sin(2 * np.pi * cycles)
+    state = investigate(values, ((0, samples),), "point", np.array([1e-4, 1.0, 1e-6, 1e-6]))
+    assert state.unknown
+    assert "low_pass" not in {finding.name for finding in state.findings}
+    assert not state.model.kinds.filtering
+    q, n = np.exp(state.model.theta[:2] / 2)
+    assert q < 0.2
+    assert n == pytest.approx(1.0, abs=0.03)

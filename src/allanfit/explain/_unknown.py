@@ -114,6 +114,23 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
         state.findings.append(Finding("bump", log_p, 0.0))
     why = "the shape of the spectrum changes in time, and not only its level"
     state.unknown.append(Unknown(frequency, 0.5, why, in_time=True))
+    _bump_for_filter(state)
+
+
+def _bump_for_filter(state: Investigation) -> None:
+    """A bump in place of a filter that is none, if it says as much: N and Q would be others."""
+    if "low_pass" not in state.disowned or not state.model.kinds.filtering:
+        return
+    bare = _model.without(state.model, 0)
+    bare = _model.best([(bare.kinds, bare.theta)], state.data)[0]
+    found = _search.bumps(bare, state.data)
+    if not found or found[0].model.deviance > state.model.deviance:
+        return
+    state.findings = [each for each in state.findings if each.name != "low_pass"]
+    if state.finding("bump") is None:
+        gain = found[0].gain
+        state.findings.append(Finding("bump", log_chance("bump", gain), gain))
+    take_bump(state, found[0])
 
 
 def _vibration(state: Investigation) -> None:
