@@ -55,9 +55,10 @@ def read_temperature(
     if not unit:
         kelvin = float(np.median(whole)) > _SURELY_KELVIN
         scale = (1.0, -273.15) if kelvin else scale
+        what = name if "temp" in name.lower() else f"temperature {name}"
         findings += (
-            f"The temperature {name} is taken to be in {'K' if kelvin else 'degC'}: write its unit "
-            f"in the file, as in `{name} [degC]`.",
+            f"The {what} is taken to be in {'K' if kelvin else 'degC'}: write its unit in the "
+            f"file, as in `{name} [degC]`.",
         )
     edges = (0, *clock.breaks, length)
     channel = Channel(
