@@ -299,7 +299,7 @@ def weighted_by_n(
     samples fewer.
     """
     share = _share_of_n(state)
-    if np.mean(share**2) <= _CLEARER * np.mean(share) ** 2:
+    if not white.any() or np.mean(share**2) <= _CLEARER * np.mean(share) ** 2:
         return None
     cosines = np.asarray(dct(np.clip(white, -PULLED_IN, PULLED_IN), norm="ortho"))
     at = np.arange(white.size) / (2 * white.size)
@@ -307,7 +307,7 @@ def weighted_by_n(
     told = np.cumsum(share**2)
     kept = int(np.searchsorted(told, _TOLD * told[-1])) + 1
     values = np.asarray(idct((cosines * np.sqrt(share))[:kept], norm="ortho"))
-    return values / values.std()
+    return values / max(float(values.std()), 1e-300)
 
 
 def samples_of_n(state: Investigation) -> int:
