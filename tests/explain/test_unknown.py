@@ -1,5 +1,7 @@
 """Causes outside the catalogue: seen for what they are, and not seen where they are not."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
@@ -183,3 +185,14 @@ def test_a_sweep_leaves_no_filter_behind():
     q, n = np.exp(state.model.theta[:2] / 2)
     assert q < 0.2
     assert n == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_sweep_is_told_from_where_to_where(tmp_path, noise):
+    """As of a fan that slows down, from 11.5 to 10.9 Hz."""
+    cycles = np.cumsum(11.5 - 0.6 * np.arange(SAMPLES) / SAMPLES) / RATE
+    channel = explained(tmp_path, noise + 0.02 * np.sin(2 * np.pi * cycles))
+    assert channel["verdict"] == "unexplained"
+    said = " ".join(effect["sentence"] for effect in channel["effects"])
+    (told,) = re.findall(r"sweeps .* from ([\d.]+) to ([\d.]+) Hz; a motor", said)
+    # A segment of the path knows its frequency to a fraction of 0.6 Hz.
+    assert [float(each) for each in told] == pytest.approx([11.5, 10.9], abs=0.1)

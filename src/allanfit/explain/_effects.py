@@ -92,7 +92,9 @@ def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
     band = (middle * np.exp(-width), min(middle * np.exp(width), 0.5 / dt))
     draws = {name: np.full(2, value) for name, value in values.items()}
     note = unknown.why
-    if unknown.period:
+    if unknown.ends is not None:
+        note += ", from {:.4g} to {:.4g} Hz".format(*(end / dt for end in unknown.ends))
+    elif unknown.period:
         note += f", every {unknown.period * dt:.4g} s"
     elif unknown.in_time and not unknown.bandless:
         note += ", from {:.3g} to {:.3g} Hz".format(*band)

@@ -71,6 +71,8 @@ class Unknown(NamedTuple):
     like: str = ""
     #: When, as `[start, stop)` in values, if not always.
     times: tuple[tuple[int, int], ...] = ()
+    #: Where it is in the beginning and in the end [cycles per sample], if it moves there evenly.
+    ends: tuple[float, float] | None = None
 
 
 class Summed(NamedTuple):

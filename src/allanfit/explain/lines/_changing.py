@@ -80,9 +80,10 @@ def _sweeps(
         path = moving(white, band)
         if path is not None and path.log_p > np.log(state.alarm):
             path = None
-        why, period, switched = "", 0.0, None
+        why, like, ends, period, switched = "", "", None, 0.0, None
         if path is not None and path.even:
             why = "a line that sweeps through the band in the course of the recording"
+            like, ends = "a motor or a pump that gains or loses speed does so", path.ends
         elif period := _pulse_of(state, white, group):
             why = "a line that comes and goes"
         elif switched := _switched(state, white, group, tracked):
@@ -94,7 +95,9 @@ def _sweeps(
             state.disowned_noises |= {each.place for each in group}
             width = max(main.width / main.middle, 1e-6)
             times = _times_on(state, switched)
-            state.unknown.append(Unknown(main.middle, width, why, period, times=times))
+            state.unknown.append(
+                Unknown(main.middle, width, why, period, like=like, times=times, ends=ends)
+            )
 
 
 def _switched(

@@ -31,6 +31,13 @@ class Path(NamedTuple):
     #: Whether it goes evenly from one end to the other.
     even: bool
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the straight line through it that most segments are near."""
+        at = np.arange(self.frequency.size)
+        slope, start, *_ = np.asarray(theilslopes(self.frequency, at), float)
+        return float(start), float(start + slope * at[-1])
+
 
 class Band(NamedTuple):
     """A band of a white record, and which share of its power is the cause's own."""

@@ -80,7 +80,7 @@ class _Spectra(NamedTuple):
         if one.density is None:
             theirs = self.mean(self.unit, part) @ one.coefficients[:4] ** 2
             return seen, float(theirs), _EXACT
-        end = self.frequency[part.stop] if part.stop < self.frequency.size else np.inf
+        end = float(np.append(self.frequency, np.inf)[part.stop])
         return seen, *_simulated(one, self.frequency, self.model, part, end)
 
     def chance(self, ratio: float, part: slice, others: float, tests: int) -> float:
