@@ -271,7 +271,7 @@ def _modulation_of_n(
     size = samples_of_n(state)
     sums = summed(white, size)
     slow = modulation(sums, seed)
-    if not slow.loud.any() and best.loud.any():
+    if slow.strength is None and best.loud.any():
         places = np.arange(sums.size) * best.loud.size // sums.size
         window = -(-best.window * sums.size // best.loud.size)
         slow = two_levels(sums, best.loud[places], window, seed)

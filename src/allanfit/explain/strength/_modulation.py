@@ -181,9 +181,14 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     if lasting is None or found.strength is not None:
         return found
     # The likeliest path leaves out what does not stand out by itself.
-    if lasting.p_value < by_windows or not found.loud.any():
+    if lasting.p_value < (by_windows if found.loud.any() else _UNEVEN):
         loud = of_samples(lasting.path, longest, white.size)
         return two_levels(white, loud, longest, seed)._replace(p_value=p_value)
+    if slowest >= _LONG_WINDOW and not found.loud.any():
+        # That it varies is known already, and few changes do it.
+        path, *_ = _two_levels(power, weight, (np.log(power.size) / 2,))
+        loud = of_samples(path, window, white.size)
+        return _between_levels(white, loud, window, weight, seed)._replace(p_value=p_value)
     return found
 
 
