@@ -169,12 +169,16 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     by_windows, slowest, variance = uneven(white)
     lasting, longest = lasting_levels(white, variance)
     p_value = either(by_windows, lasting)
+
+    def told(path: Bool[np.ndarray, " windows"], window: int) -> Modulation:
+        loud = of_samples(path, window, white.size)
+        return _between_levels(white, loud, window, variance, seed)._replace(p_value=p_value)
+
     window = max(slowest // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
     power = local_power(white, window)
     weight = _weight(power, window, variance)
     labels = _levels(power, weight)
-    loud = of_samples(labels > 0, window, white.size)
-    found = _between_levels(white, loud, window, weight, seed)._replace(p_value=p_value)
+    found = told(labels > 0, window)
     if p_value >= _UNEVEN:
         return found
     found = _with_strength(found, white, labels, weight, seed)
@@ -182,13 +186,11 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
         return found
     # The likeliest path leaves out what does not stand out by itself.
     if lasting.p_value < (by_windows if found.loud.any() else _UNEVEN):
-        loud = of_samples(lasting.path, longest, white.size)
-        return two_levels(white, loud, longest, seed)._replace(p_value=p_value)
+        return told(lasting.path, longest)
     if slowest >= _LONG_WINDOW and not found.loud.any():
         # That it varies is known already, and few changes do it.
         path, *_ = _two_levels(power, weight, (np.log(power.size) / 2,))
-        loud = of_samples(path, window, white.size)
-        return _between_levels(white, loud, window, weight, seed)._replace(p_value=p_value)
+        return told(path, window)
     return found
 
 
@@ -218,15 +220,16 @@ def _weight(power: Windows, window: int, variance: float) -> float:
 def two_levels(white: Samples, loud: Flags, window: int, seed: int) -> Modulation:
     """Two levels of noise at times that are known to a window."""
     *_, variance = uneven(white)
-    weight = _weight(local_power(white, window), window, variance)
-    return _between_levels(white, loud, window, weight, seed)
+    return _between_levels(white, loud, window, variance, seed)
 
 
 def _between_levels(
-    white: Samples, samples: Flags, window: int, weight: float, seed: int
+    white: Samples, samples: Flags, window: int, variance: float, seed: int
 ) -> Modulation:
-    """Two levels, of the samples that are loud and of the others, in windows of some weight."""
-    quiet = loud = float(local_power(white, window).mean())
+    """Two levels, of the samples that are loud and of the others; `variance` is from `uneven`."""
+    power = local_power(white, window)
+    weight = _weight(power, window, variance)
+    quiet = loud = float(power.mean())
     odds = None
     if samples.any():
         quiet, loud = _variances(white, samples.astype(int), window)
