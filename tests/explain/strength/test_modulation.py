@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import gamma
 
-from allanfit.explain.strength._modulation import _climbed, modulation
+from allanfit.explain.strength._modulation import modulation
+from allanfit.explain.strength._paths import climbed
 
 WINDOWS, SAMPLES, PRICE = 11, 32.0, 2.0
 LOUD = np.arange(WINDOWS) // 3 == 1
@@ -18,7 +19,7 @@ def test_no_path_between_two_levels_is_likelier(seed):
     """Of all 2048, given the levels that it led to, each change at its price."""
     rng = np.random.default_rng(seed)
     power = np.where(LOUD, 3.0, 1.0) * rng.chisquare(SAMPLES, WINDOWS) / SAMPLES
-    path, quiet, loud, score = _climbed(power, SAMPLES, PRICE, 1.0, 2.0)
+    path, quiet, loud, score = climbed(power, SAMPLES, PRICE, 1.0, 2.0)
     likelihood = [
         gamma.logpdf(power, SAMPLES / 2, scale=2 * level / SAMPLES) for level in (quiet, loud)
     ]

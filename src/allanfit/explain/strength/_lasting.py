@@ -27,14 +27,13 @@ from ..values._spikes import (
 from ._bursts import bursts
 from ._knocks import BRIEF_SHARE, as_modulation, knock, steps_instead, wrong_ends
 from ._modulation import (
-    KNOCK_RATIO,
-    KNOCK_SHARE,
     PULLED_IN,
     Modulation,
     modulation,
     of_samples,
     two_levels,
 )
+from ._paths import KNOCK_RATIO, KNOCK_SHARE
 from ._vibration import away_from_edges, take_out, vibration
 
 # Sums of up to 2^(this - 1) samples, or weighted frequencies, where they tell so many times as much

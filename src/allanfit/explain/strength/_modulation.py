@@ -4,7 +4,6 @@ It looks at the whitened record, which is independent and standard normal when n
 that the test has a null distribution that does not depend on the sensor.
 """
 
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +12,12 @@ from scipy.fft import dct, irfft, next_fast_len, rfft
 from scipy.stats import chi2, f
 
 from ._levels import Levels, levels_that_last, window_of
+from ._paths import FEWEST_WINDOWS, UNEVEN, levels_of, two_levels_of
 from ._varying import varying
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
 PULLED_IN = 4.0
 _SHORTEST_WINDOW = 32
-_FEWEST_WINDOWS = 8
 # Orders as slow as windows of this length are compared with how neighbouring short windows differ,
 # unless the sum of squared correlations is more than this.
 _LONG_WINDOW, _UNCORRELATED = 16 * _SHORTEST_WINDOW, 0.01
@@ -28,12 +27,8 @@ _LAGS = 1024
 _MOST_WINDOWS = 4096
 # The part of false alarms that is left to windows, for what levels that last do not show.
 _BRIEF = 0.25
-# From such a chance on the strength is followed, and levels are measured so many times over.
-_UNEVEN, _AGAIN = 1e-3, 3
-# Loud for less of the record, and by more, is a knock and no change of the noise.
-KNOCK_SHARE, KNOCK_RATIO = 0.15, 2.0
-# How much louder the loud times may be than the quiet ones, to begin with.
-_EXCESSES = (0.03, 0.1, 0.3, 1.0, 10.0)
+# So many times over levels are measured.
+_AGAIN = 3
 
 Samples = Float[np.ndarray, " samples"]
 Flags = Bool[np.ndarray, " samples"]
@@ -130,7 +125,7 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     squares = np.clip(white, -PULLED_IN, PULLED_IN) ** 2
     correlation = _squared_correlation(white)
     one = float(np.var(squares)) * (1 + 2 * correlation)
-    if white.size < _FEWEST_WINDOWS * _SHORTEST_WINDOW:
+    if white.size < FEWEST_WINDOWS * _SHORTEST_WINDOW:
         return 1.0, _SHORTEST_WINDOW, one
     power = local_power(white, _SHORTEST_WINDOW)
     steps = np.diff(power)
@@ -140,7 +135,7 @@ def uneven(white: Float[np.ndarray, " samples"]) -> tuple[float, int, float]:
     orders = np.asarray(dct(power - power.mean(), norm="ortho"))[1:]
     scatter = _SHORTEST_WINDOW * np.cumsum(orders**2)
     chances, window = [], _SHORTEST_WINDOW
-    while white.size // window >= _FEWEST_WINDOWS:
+    while white.size // window >= FEWEST_WINDOWS:
         first = white.size // window - 1
         if window >= _LONG_WINDOW and plain:
             chance = float(f.sf(scatter[first - 1] / first / measured, first, freedom))
@@ -177,19 +172,19 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     window = max(slowest // 2, _SHORTEST_WINDOW, white.size // _MOST_WINDOWS)
     power = local_power(white, window)
     weight = _weight(power, window, variance)
-    labels = _levels(power, weight)
+    labels = levels_of(power, weight)
     found = told(labels > 0, window)
-    if p_value >= _UNEVEN:
+    if p_value >= UNEVEN:
         return found
     found = _with_strength(found, white, labels, weight, seed)
     if lasting is None or found.strength is not None:
         return found
     # The likeliest path leaves out what does not stand out by itself.
-    if lasting.p_value < (by_windows if found.loud.any() else _UNEVEN):
+    if lasting.p_value < (by_windows if found.loud.any() else UNEVEN):
         return told(lasting.path, longest)
     if slowest >= _LONG_WINDOW and not found.loud.any():
         # That it varies is known already, and few changes do it.
-        path, *_ = _two_levels(power, weight, (np.log(power.size) / 2,))
+        path, *_ = two_levels_of(power, weight, (np.log(power.size) / 2,))
         return told(path, window)
     return found
 
@@ -321,88 +316,3 @@ def _with_levels(
     noise = np.random.default_rng(seed).standard_normal(2000) * np.hypot(*spread) / 2
     strength = np.sqrt(levels / levels[0])[of]
     return found._replace(strength=strength, extremes=np.exp(ratio + noise))
-
-
-def _levels(power: Windows, weight: float) -> Int[np.ndarray, " windows"]:
-    """Which level each window is of, from the quietest: two, and each of them two if it must be."""
-    path, *_ = _two_levels(power, weight)
-    labels = path.astype(int)
-    if not path.any() or path.all():
-        return np.zeros(power.size, int)
-    if path.mean() < KNOCK_SHARE:
-        # Perhaps a knock, which is looked at first, by itself.
-        return labels
-    for place in (1, 0):
-        mine = path == place
-        own = power[mine]
-        uneven = float(np.sum((own / own.mean() - 1) ** 2)) * weight / 2
-        if own.size < _FEWEST_WINDOWS or chi2.sf(uneven, own.size - 1) > _UNEVEN:
-            continue
-        within = _levels(own, weight)
-        if place == 0:
-            labels[~mine] += within.max()
-        labels[mine] += within
-    return labels
-
-
-def _two_levels(
-    power: Float[np.ndarray, " windows"], samples: float, prices: tuple[float, ...] = ()
-) -> tuple[Bool[np.ndarray, " windows"], float, float]:
-    """The likeliest path between two variances, and the two; begun from several ratios.
-
-    `prices` are those of a change, in the log of its odds, each tried where others leave nothing.
-    """
-    mean = float(power.mean())
-    best = np.zeros(power.size, bool), mean, mean
-    # Leaving a level must be worth some evidence, or noise would chop intervals up.
-    for price in prices or (np.log(power.size) + 2, np.log(power.size)):
-        highest = _likelihood(power, mean, samples).sum()
-        for excess in _EXCESSES:
-            # As if a third of the time were loud.
-            quiet = mean / (1 + excess / 3)
-            path, *levels, score = _climbed(power, samples, price, quiet, quiet * (1 + excess))
-            if score > highest:
-                best, highest = (path, levels[0], levels[1]), score
-        if best[0].any():
-            break
-    return best
-
-
-def _climbed(
-    power: Float[np.ndarray, " windows"], samples: float, price: float, quiet: float, loud: float
-) -> tuple[Bool[np.ndarray, " windows"], float, float, float]:
-    """Path and levels by turns (Viterbi), and their log-likelihood less the price of changes."""
-    path, score = np.zeros(power.size, bool), -np.inf
-    for _ in range(20):
-        likelihood = np.stack([_likelihood(power, level, samples) for level in (quiet, loud)])
-        # By how much the best path to each window that is loud there beats the best that is quiet.
-        ahead = np.fromiter(
-            accumulate(
-                (likelihood[1] - likelihood[0]).tolist(),
-                lambda before, now: min(max(before, -price), price) + now,
-            ),
-            float,
-        )
-        # By more than the price, and the path is there whatever comes; else where it is next.
-        sure = np.abs(ahead) > price
-        sure[-1] = True
-        told = np.where(sure, np.arange(power.size), power.size - 1)
-        found = ahead[np.minimum.accumulate(told[::-1])[::-1]] > 0
-        same, path = np.array_equal(found, path), found
-        if not path.any() or path.all():
-            return path, quiet, loud, -np.inf
-        changes = np.count_nonzero(np.diff(path))
-        score = float(np.where(path, likelihood[1], likelihood[0]).sum()) - price * changes
-        quiet, loud = float(power[~path].mean()), float(power[path].mean())
-        if same:
-            break
-    if loud < quiet:
-        path, quiet, loud = ~path, loud, quiet
-    return path, quiet, loud, score
-
-
-def _likelihood(
-    power: Float[np.ndarray, " windows"], level: float, samples: float
-) -> Float[np.ndarray, " windows"]:
-    """The log-likelihood of mean squares of so many samples, Gamma variates about a level."""
-    return -samples / 2 * (np.log(level) + power / level)
