@@ -8,6 +8,7 @@ takes one (`_rounds` says which), until nothing is left that is no chance.
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -40,6 +41,7 @@ from .courses._taken_switches import (
     without_spikes,
 )
 from .lines._lines import line_log_chance
+from .lines._lost import lost_on_the_way
 from .lines._rang_once import rang_once
 from .lines._taken import LINE_ALARM, take_strong_lines
 from .spectrum import _model, _search
@@ -50,7 +52,7 @@ from .strength._lasting import about_spread, loudness, seen_beside_lines
 from .values._clock import fresh_values
 from .values._format import stuck
 from .values._held_out import of_events
-from .values._losses import count_losses_out
+from .values._losses import Lost, count_losses_out
 from .values._rounded import about_angle, about_format, name_fine_codes
 
 # Chance of a false alarm in each of the families of tests, for a recording of one channel.
@@ -86,11 +88,29 @@ def investigate(
     `power` are the squared coefficients of the five-term fit for a sampling interval of one, and
     `drivers` what may move the channel, by the name of the effect, centred; `lost` is the share of
     samples that time stamps say were lost on the way, and `losses` the first sample after each of
-    these losses with how many were lost.
+    these losses with how many were lost. Without stamps a line may tell of them.
 
     Of a sensor with a clock of its own the fresh values are investigated, a `stride` apart.
     """
-    drivers, stride = dict(drivers or {}), 1.0
+    known = Lost(lost, tuple(losses))
+    ask = partial(_investigated, values, pieces, sampling, power, alarm, dict(drivers or {}), seed)
+    state = ask(known)
+    found = None if lost > 0 or state.stride > 1 else lost_on_the_way(state)
+    return state if found is None else ask(found)
+
+
+def _investigated(
+    values: Float[np.ndarray, " samples"],
+    pieces: tuple[tuple[int, int], ...],
+    sampling: Sampling,
+    power: Float[np.ndarray, " terms"],
+    alarm: float,
+    drivers: dict[str, Float[np.ndarray, "samples columns"]],
+    seed: int,
+    lost: Lost,
+) -> Investigation:
+    """The same, where it is known what was lost."""
+    stride = 1.0
     fresh = fresh_values(values, pieces)
     if fresh is not None:
         alike = np.diff(usable(values, pieces)) == 0
@@ -104,14 +124,15 @@ def investigate(
         state.stride, state.at = stride, fresh.at
         state.findings.append(Finding("sample_hold", fresh.repeat.log_p, 0.0, detail=fresh.repeat))
         state.gains["sample_hold"] = held
-    elif losses:
-        after, counts = np.array(losses).T
+    elif lost.losses:
+        after, counts = np.array(lost.losses).T
         state.place += np.cumsum(np.bincount(after, counts, minlength=values.size))
-    if lost > 0:
-        state.findings.append(Finding("dropped_samples", -1e3, 0.0, {}, lost))
+    if lost.fraction > 0:
+        state.findings.append(Finding("dropped_samples", -lost.gain, 0.0, {}, lost))
     about_format(state)
-    if lost > 0:
-        count_losses_out(state, len(losses) or max(round(lost * values.size), 1), seed)
+    if lost.fraction > 0:
+        times = len(lost.losses) or max(round(lost.fraction * values.size), 1)
+        count_losses_out(state, times, seed)
     times = stuck(values, pieces, state.format)
     free = cut_out(pieces, times) if times else pieces
     if sum(b - a for a, b in free) < _FREE * sum(b - a for a, b in pieces):

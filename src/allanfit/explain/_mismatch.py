@@ -59,7 +59,10 @@ def located(state: Investigation, effects: Sequence[Effect], dt: float) -> list[
         if effect.name == "sample_hold" and state.stride > 1:
             entry = _images(state, chance, dt)
         elif effect.name in _IN_VALUES:
-            said = f"{_IN_VALUES[effect.name]}, at any time of the recording."
+            seen = _IN_VALUES[effect.name]
+            if effect.name == "dropped_samples" and effect.note:
+                seen = f"The phase of the line at {effect.note} jumps ahead"
+            said = f"{seen}, at any time of the recording."
             entry = _of_time(0.0, state.moment(state.values.size) * dt, 1.0, chance, said)
         elif effect.name in _IN_TIME or effect.in_time:
             entry = _in_time(state, effect, chance, dt)

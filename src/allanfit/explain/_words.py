@@ -119,7 +119,12 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "dropped_samples": lambda: (
             f"{100 * shown['fraction']['value']:.2g} % of the samples were lost on the way, by "
-            "the time stamps."
+            + (
+                f"the line at {effect.note}: its phase jumps ahead, each time by what it turns in "
+                "a sample. No time stamp tells of them; log a counter of samples."
+                if effect.note
+                else "the time stamps."
+            )
         ),
         "bump": lambda: (
             f"The catalogue has no name for it: {effect.note}."

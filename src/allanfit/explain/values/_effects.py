@@ -10,9 +10,12 @@ from .._effect import Effect
 from .._intervals import runs
 from .._state import Finding, Investigation
 from ..spectrum._structure import EACH, FILTERS, TERMS, sieve
+from ._losses import Lost
 
 #: What is certain from the values alone is still only as certain as this, and a line.
 SURE, LINE = 0.99, 0.97
+# Of so few narrow bands losses are the cause: the log of how many to one.
+_SELDOM = 3.0
 # A strength that varies is told at so many times.
 _KNOTS = 257
 
@@ -38,16 +41,12 @@ def probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, 
 
 
 def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
-    count = finding.detail * state.values.size
-    spread = np.sqrt(count) / state.values.size
-    return [
-        Effect(
-            "dropped_samples",
-            SURE,
-            {},
-            {"fraction": np.abs(finding.detail + spread * rng.standard_normal(2000))},
-        )
-    ]
+    lost: Lost = finding.detail
+    spread = max(lost.deviation, float(np.sqrt(lost.fraction / state.values.size)))
+    drawn = np.abs(lost.fraction + spread * rng.standard_normal(2000))
+    line = "" if lost.frequency is None else f"{lost.frequency / dt:.5g} Hz"
+    chance = min(SURE, 1 / (1 + float(np.exp(_SELDOM - lost.gain))))
+    return [Effect("dropped_samples", chance, {}, {"fraction": drawn}, note=line)]
 
 
 def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

@@ -1,5 +1,7 @@
 """What samples that were lost on the way do to the others, and to a record made white."""
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.fft import irfft
@@ -18,6 +20,20 @@ _HEARD = 0.05
 # N is too large at first, and what was lost is known the better the smaller it is.
 _PASSES = 5
 _DRAWS = 400
+
+
+class Lost(NamedTuple):
+    """Samples that were lost, as time stamps say or a line."""
+
+    fraction: float
+    #: The first sample after each loss, and how many were lost there.
+    losses: tuple[tuple[int, int], ...] = ()
+    #: Of the line [cycles per sample].
+    frequency: float | None = None
+    #: How much likelier it is with losses, in log-likelihood; stamps leave no doubt.
+    gain: float = 1e3
+    #: How well the fraction is known, if that is less well than so many by chance tell it.
+    deviation: float = 0.0
 
 
 def count_losses_out(state: Investigation, losses: int, seed: int) -> None:
