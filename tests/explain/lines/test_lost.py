@@ -1,6 +1,6 @@
 """Samples lost without a time stamp, by the phase of a line."""
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -54,9 +54,9 @@ def test_all_courses_of_the_phase_are_counted():
         phase = 2 * np.pi * np.array(course) / 6 + 0.3 * np.arange(4)
         amplitude = np.sqrt(power) * np.exp(1j * phase)
         chance = np.exp(np.sum(np.abs(z) ** 2 - np.abs(z - amplitude) ** 2)) / 6
-        chance *= np.prod([move[b, a] for a, b in zip(course[:-1], course[1:], strict=True)])
+        chance *= np.prod([move[b, a] for a, b in pairwise(course)])
         total += chance
-        for at, (a, b) in enumerate(zip(course[:-1], course[1:], strict=True)):
+        for at, (a, b) in enumerate(pairwise(course)):
             counts[at + 1] += chance * counted[b, a] / move[b, a]
     np.testing.assert_allclose(log_likelihood(z, way, jumps), np.log(total), rtol=1e-9)
     np.testing.assert_allclose(jumps_between(z, way, jumps), counts / total, rtol=1e-9)
