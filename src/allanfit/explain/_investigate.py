@@ -262,8 +262,8 @@ def _begin_again(
     later.gains = {name: gain for name, gain in state.gains.items() if name in _KEPT}
     later.knocks, later.witnesses = state.knocks, state.witnesses
     if state.vibration is not None and state.modulation is not None:
-        # So it is with vibration.
-        of = np.isin(state.looked_at, later.looked_at)
+        # So it is with vibration; what comes back is as what follows it.
+        of = np.searchsorted(state.looked_at, later.looked_at).clip(max=state.looked_at.size - 1)
         later.modulation = state.modulation.of(of)
         later.vibration = state.vibration._replace(
             times=later.modulation, course=state.vibration.course[of]

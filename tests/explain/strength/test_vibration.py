@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
-from allanfit.explain._investigate import investigate
+from allanfit.explain._investigate import _joined_again, investigate
 from allanfit.explain.strength._lasting import loudness
 
 SAMPLES = 60_000
@@ -56,6 +56,25 @@ def test_vibration_that_shifts_the_mean_is_rectified(knock):
     assert edges(state) == pytest.approx(np.ravel(BOUTS), abs=3 * KNOWN)
 
 
+def test_vibration_of_a_mount_has_a_skirt_down_to_zero():
+    """It was left below a fiftieth of the sampling rate, where it was a resonance or a bump."""
+    rng = np.random.default_rng(5)
+    samples = 4 * SAMPLES
+    values = rng.standard_normal(samples) + 0.002 * np.cumsum(rng.standard_normal(samples))
+    # A mass on a spring of Q = 8 at 0.23 of the sampling rate, pushed by white noise.
+    decay, turn = np.exp(-np.pi * 0.23 / 8), 2 * np.pi * 0.23
+    pushed = rng.standard_normal(samples)
+    moving = lfilter([1.0], [1.0, -2 * decay * np.cos(turn), decay**2], pushed)
+    for start, stop in 4 * np.array(BOUTS):
+        values[start:stop] += 2.5 * (moving / moving.std())[start:stop] + 0.4
+    state = investigate(values, ((0, samples),), "point", np.array([0.0, 1.0, 0.0, 4e-6]))
+    names = [finding.name for finding in state.findings]
+    assert names == ["variance_modulation", "vibration_rectification"]
+    assert not state.unknown
+    # Of 148,000 samples: to four standard deviations.
+    assert abs(n_of(state) - 1) < 0.0075
+
+
 @pytest.mark.parametrize("strength", [6.0, 12.0])
 def test_vibration_much_stronger_than_the_noise_leaves_its_quiet_times(strength):
     """Five hundred times the density of the noise was taken for three times: a bump was left."""
@@ -68,6 +87,17 @@ def test_vibration_much_stronger_than_the_noise_leaves_its_quiet_times(strength)
     assert state.modulation.ratio == pytest.approx(np.sqrt(1 + strength**2), rel=0.05)
     (size,) = state.sized.sizes
     assert size == pytest.approx(0.4 / strength**2, rel=0.1)
+
+
+def test_times_that_were_cut_out_and_come_back_have_their_vibration():
+    """Nothing was known of them, and a recording with vibration and knocks ended in an error."""
+    state, _ = investigated(drawn(0.4, knock=6.0))
+    assert state.looked_at.size < SAMPLES
+    whole = _joined_again(state, np.array([0.0, 1.0, 0.0, 2e-5]))
+    assert whole.looked_at.size == SAMPLES
+    assert whole.modulation.loud.size == whole.vibration.course.size == SAMPLES
+    known = np.isin(whole.looked_at, state.looked_at)
+    assert np.array_equal(whole.modulation.loud[known], state.modulation.loud)
 
 
 def test_bouts_begin_and_end_where_mean_and_noise_say():

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import ShortTimeFFT, oaconvolve
+from scipy.signal import ShortTimeFFT, oaconvolve, savgol_filter
 from scipy.signal.windows import hann
 
 from .._intervals import runs, widened
@@ -36,8 +36,10 @@ _SLOW, _SHIFT, _SLOW_PART = 5, 2, 0.25
 _FAR, _PASSES = 4, 4
 # And it fills as many of a tile's frequencies: fewer are a line that comes and goes.
 _BROAD = 12
-# Neighbours whose excess is averaged, and standard deviations from which on it is one.
+# Neighbours whose excess is smoothed, and standard deviations from which on it is one.
 _TOGETHER, _CLEAR = 5, 3.0
+# Beside an edge their mean is so many times what is there.
+_EDGE = 1.2
 # By as much the variance of a mean of neighbours is larger where a window makes them alike: with
 # the squared correlations 4/9 and 1/36 of a Hann window, (5 + 8 * 4/9 + 6/36) / 5.
 _ALIKE = 1.75
@@ -102,21 +104,25 @@ def vibration(
         least = _least(usual * density, excess)
         usual = usual * (1 + least * excess)
         excess, course = excess / (1 + least * excess), np.maximum(course - least, 0.0)
-    slow = excess[_SHIFT:_SLOW].mean()
-    excess = uniform_filter1d(excess, _TOGETHER)
     alike = _ALIKE if changing.strength is None else 1.0
-    error = np.sqrt((1 / len(there) + 1 / len(quiet)) * alike / _TOGETHER)
-    excess[excess < _CLEAR * error] = 0.0
+    error = np.sqrt((1 / len(there) + 1 / len(quiet)) * alike)
+    slow = float(excess[_SHIFT:_SLOW].mean())
+    skirt = slow > _CLEAR * error / np.sqrt(_SLOW - _SHIFT)
+    mean = uniform_filter1d(excess, _TOGETHER)
+    clear = mean > _CLEAR * error / np.sqrt(_TOGETHER)
+    # A narrow peak keeps its height; beside an edge too much is better than too little.
+    smooth = np.expm1(savgol_filter(np.log1p(excess), _TOGETHER, 2))
+    excess = np.where(clear, np.where(mean > _EDGE * smooth, mean, np.maximum(smooth, 0.0)), 0.0)
     breadth = excess.sum() ** 2 / max(np.sum(excess**2), 1e-300)
     if breadth < _BROAD:
         return None
     # What else is slow is no vibration.
     power, at = (excess * usual * density)[_SLOW:], at[_SLOW:]
-    if slow <= _SLOW_PART * excess.mean():
-        excess[:_SLOW] = 0.0
-    elif changing.strength is None and np.argmax(power) > _FAR * _SLOW:
+    if skirt and changing.strength is None and np.argmax(power) > _FAR * _SLOW:
         # As of a mount that is pushed, whose vibration has power down to where it stands.
-        excess[:_SLOW] = max(slow, 0.0)
+        excess[:_SLOW] = slow
+    elif slow <= _SLOW_PART * excess.mean():
+        excess[:_SLOW] = 0.0
     else:
         return None
     middle = float(power @ at / power.sum())
