@@ -22,7 +22,6 @@ from ._phase import (
     jumps_by,
     jumps_told,
     log_likelihood,
-    log_likelihood_in_parts,
     refined,
     search,
 )
@@ -34,6 +33,9 @@ _OFTEN, _MOST, _FEW, _CLEAR, _PLACED = 8.0, 8192, 2048, 4.0, 131072
 # By so much in log-likelihood losses have to be likelier than all else, and in a part of the record
 # for the rest to be looked at.
 _LIKELIER, _HOPEFUL = 6.0, 0.3
+# And by so much than jumps by such other parts of the angle. What the phase diffuses beside them is
+# such a part of their variance at most.
+_OTHER_ANGLES, _SHARPER, _DIFFUSE = (0.5, 1.5), 2.0, 0.5
 # Where more samples than this are lost for each that is not, nobody would call it a recording.
 _MOST_LOST = 0.2
 
@@ -67,39 +69,61 @@ def lost_on_the_way(state: Investigation) -> Lost | None:
     if line is None or line.rate > _MOST_LOST:
         return None
     band = _band(state, state.longest, line, 1 / (_OFTEN * line.rate))
-    few, whole = band.moments[:_FEW], band.moments[:_MOST]
-    most = line.rate * band.apart
-    models = {
-        "losses": (jumps_by(2 * np.pi * line.middle), most),
-        "none": (NO_JUMPS, 0.0),
-        "any": (ANY_JUMPS, most),
-    }
-    drift, width = band.drift(line.middle), 2 * np.pi * line.half_width * band.apart
-    ways = {name: search(few, drift, width, *model) for name, model in models.items()}
-    if _gain(few, ways, models) < _HOPEFUL:
+    asked = _Asked(band, line)
+    angle = 2 * np.pi * line.middle
+    losses = jumps_by(angle)
+    others = (NO_JUMPS, 0.0), (ANY_JUMPS, asked.most)
+    part = asked.searched(losses, asked.most)
+    if any(part.likelihood - asked.searched(*each).likelihood < _HOPEFUL for each in others):
         return None
-    # Of few moments a drift is known to a part of a turn in all of them.
-    step = 1 / few.size
-    ways = {name: refined(whole, way, step, models[name][0]) for name, way in ways.items()}
-    moving = log_likelihood_in_parts(whole, ways["none"], width, NO_JUMPS)
-    gain = _gain(whole, ways, models)
-    gain = min(gain, log_likelihood(whole, ways["losses"], models["losses"][0]) - moving)
-    if gain < _LIKELIER:
+    found = asked.refined(losses, part.way)
+    gain = min(found.likelihood - asked.best(*each).likelihood for each in others)
+    # A line whose phase diffuses as far as it jumps is one that wanders.
+    jumped = 2 * found.way.jumps * (1 - np.cos(angle))
+    if gain < _LIKELIER or found.way.spread > _DIFFUSE * jumped:
         return None
-    jumps = models["losses"][0]
-    way = refined(whole, ways["losses"], step, jumps)
+    # Where a line wanders more to one side than to the other, jumps that are none are as likely by
+    # another angle.
+    for times in _OTHER_ANGLES:
+        as_wide = (1 - np.cos(angle)) / (1 - np.cos(times * angle))
+        other = asked.best(jumps_by(times * angle), asked.most * min(as_wide, 1 / times))
+        if found.likelihood - other.likelihood < _SHARPER:
+            return None
+    way = found.way
     placed = [_placed(state, piece, line, band, way) for piece in state.long_pieces]
     frequency = band.lowest + way.drift / (2 * np.pi * band.apart)
-    rate, deviation = (each / band.apart for each in jumps_told(whole, way, jumps))
+    rate, deviation = (each / band.apart for each in jumps_told(asked.whole, way, losses))
     return Lost(rate / (1 + rate), tuple(chain(*placed)), frequency, gain, deviation)
 
 
-def _gain(
-    moments: Baseband, ways: dict[str, Turning], models: dict[str, tuple[Jumps, float]]
-) -> float:
-    """How much likelier losses are than all else, in log-likelihood."""
-    likely = {name: log_likelihood(moments, way, models[name][0]) for name, way in ways.items()}
-    return likely.pop("losses") - max(likely.values())
+class _Found(NamedTuple):
+    way: Turning
+    likelihood: float
+
+
+class _Asked:
+    """How likely the phase of a line turns in this way or that, in few moments and in many."""
+
+    def __init__(self, band: _Band, line: _Line):
+        self.few, self.whole = band.moments[:_FEW], band.moments[:_MOST]
+        self.drift = band.drift(line.middle)
+        self.width = 2 * np.pi * line.half_width * band.apart
+        #: The jumps in a moment that make a sinusoid as wide.
+        self.most = line.rate * band.apart
+
+    def searched(self, jumps: Jumps, most: float) -> _Found:
+        """The likeliest way in few moments."""
+        way = search(self.few, self.drift, self.width, jumps, most)
+        return _Found(way, log_likelihood(self.few, way, jumps))
+
+    def refined(self, jumps: Jumps, way: Turning) -> _Found:
+        """The likeliest in many near to it; of few a drift is known to a part of a turn in them."""
+        way = refined(self.whole, way, 1 / self.few.size, jumps)
+        return _Found(way, log_likelihood(self.whole, way, jumps))
+
+    def best(self, jumps: Jumps, most: float) -> _Found:
+        """The likeliest in many."""
+        return self.refined(jumps, self.searched(jumps, most).way)
 
 
 def _placed(

@@ -24,8 +24,6 @@ _LEAST = 1e-12
 # that make such a band there are; and how the phase diffuses [rad^2].
 _REACH, _PLACES = 2.0, 9
 _PARTS, _SPREADS = (1 / 16, 1 / 4, 1 / 2, 1.0), (1e-4, 3e-3, 1e-1)
-# A line that moves is followed in so many parts.
-_PARTS_IN_TIME = 8
 # Then steps become finer, so many times.
 _TIMES, _ASIDE, _LESS, _ENOUGH = 6, (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0), 0.5, 1.0
 # Numbers of jumps and drifts that are compared with the likeliest: up to so many times as large and
@@ -151,13 +149,6 @@ def _likeliest(
 def log_likelihood(band: Baseband, way: Turning, jumps: Jumps) -> float:
     """Of a way to turn, over white noise alone."""
     return float(_log_likelihoods(band, np.array([way.drift]), [way], jumps)[0, 0])
-
-
-def log_likelihood_in_parts(band: Baseband, way: Turning, width: float, jumps: Jumps) -> float:
-    """Of a way to turn, but with a drift near to its own in each part of a band."""
-    drifts = way.drift + width * np.linspace(-_REACH, _REACH, 2 * _PLACES - 1)
-    parts = np.array_split(band, _PARTS_IN_TIME)
-    return sum(float(_log_likelihoods(part, drifts, [way], jumps).max()) for part in parts)
 
 
 def _log_likelihoods(

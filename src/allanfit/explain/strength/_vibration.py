@@ -111,7 +111,7 @@ def vibration(
     mean = uniform_filter1d(excess, _TOGETHER)
     clear = mean > _CLEAR * error / np.sqrt(_TOGETHER)
     # A narrow peak keeps its height; beside an edge too much is better than too little.
-    smooth = np.expm1(savgol_filter(np.log1p(excess), _TOGETHER, 2))
+    smooth = np.expm1(np.asarray(savgol_filter(np.log1p(excess), _TOGETHER, 2)))
     excess = np.where(clear, np.where(mean > _EDGE * smooth, mean, np.maximum(smooth, 0.0)), 0.0)
     breadth = excess.sum() ** 2 / max(np.sum(excess**2), 1e-300)
     if breadth < _BROAD:
