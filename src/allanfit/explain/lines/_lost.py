@@ -66,7 +66,7 @@ class _Band(NamedTuple):
 def lost_on_the_way(state: Investigation) -> Lost | None:
     """The losses that blur the strongest line, if it is they that do."""
     line = _strongest(state)
-    if line is None or line.rate > _MOST_LOST:
+    if line is None or not 0 < line.rate <= _MOST_LOST:
         return None
     band = _band(state, state.longest, line, 1 / (_OFTEN * line.rate))
     asked = _Asked(band, line)
