@@ -118,12 +118,12 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + " left out of the better model."
         ),
         "dropped_samples": lambda: (
-            f"{100 * shown['fraction']['value']:.2g} % of the samples were lost on the way, by "
+            f"{100 * shown['fraction']['value']:.2g} % of the samples were lost on the way, "
             + (
-                f"the line at {effect.note}: its phase jumps ahead, each time by what it turns in "
-                "a sample. No time stamp tells of them; log a counter of samples."
+                f"as the line at {effect.note} tells, whose phase jumps ahead each time by what it "
+                "turns in a sample. No time stamp tells of them: log a counter of samples."
                 if effect.note
-                else "the time stamps."
+                else "by the time stamps."
             )
         ),
         "bump": lambda: (

@@ -10,17 +10,8 @@ from scipy.stats import poisson, skellam
 
 import allanfit
 from allanfit.explain._investigate import investigate
-from allanfit.explain.lines._phase import (
-    ANY_JUMPS,
-    NO_JUMPS,
-    Jumps,
-    Turning,
-    jumps_between,
-    jumps_by,
-    jumps_told,
-    log_likelihood,
-    search,
-)
+from allanfit.explain.lines import _phase
+from allanfit.explain.lines._phase import Jumps, Turning
 
 
 def band(rng, turns, power: float):
@@ -39,9 +30,9 @@ def test_jumps_are_a_poisson_process_and_diffusion_a_walk():
     # As many steps to either side as the difference of two Poisson variates.
     rate = 0.01 / (2 * np.pi / 60) ** 2 / 2
     away = (place + 30) % 60 - 30
-    (move,) = NO_JUMPS._replace(phases=60).moves([Turning(0.0, 0.0, 0.01)])
+    (move,) = _phase.NO_JUMPS._replace(phases=60).moves([Turning(0.0, 0.0, 0.01)])
     np.testing.assert_allclose(move[:, 0], skellam.pmf(away, rate, rate), atol=1e-10)
-    (move,) = ANY_JUMPS.moves([Turning(0.0, 0.3, 0.0)])
+    (move,) = _phase.ANY_JUMPS.moves([Turning(0.0, 0.3, 0.0)])
     np.testing.assert_allclose(move[1:, 0], -np.expm1(-0.3) / 48, atol=1e-10)
 
 
@@ -60,14 +51,14 @@ def test_all_courses_of_the_phase_are_counted():
         total += chance
         for at, (a, b) in enumerate(pairwise(course)):
             counts[at + 1] += chance * counted[b, a] / move[b, a]
-    np.testing.assert_allclose(log_likelihood(z, way, jumps), np.log(total), rtol=1e-9)
-    np.testing.assert_allclose(jumps_between(z, way, jumps), counts / total, rtol=1e-9)
+    np.testing.assert_allclose(_phase.log_likelihood(z, way, jumps), np.log(total), rtol=1e-9)
+    np.testing.assert_allclose(_phase.jumps_between(z, way, jumps), counts / total, rtol=1e-9)
 
 
 @pytest.mark.parametrize("angle", [0.4, 1.3, 2.9, 5.5])
 def test_jumps_are_by_whole_steps_that_are_near(angle):
     """Of so many fractions one is within a few thousandths of a turn (Dirichlet's theorem)."""
-    jumps = jumps_by(angle)
+    jumps = _phase.jumps_by(angle)
     assert jumps.steps is not None
     assert abs(2 * np.pi * jumps.steps / jumps.phases - angle) < 0.01
 
@@ -77,18 +68,20 @@ def test_jumps_are_found_and_placed():
     drift, angle = 0.05, 1.1
     often = rng.poisson(0.04, 2000)
     turns = (drift * np.arange(2000) + angle * np.cumsum(often)) / (2 * np.pi)
-    z, jumps = band(rng, turns, 2.0), jumps_by(angle)
+    z, jumps = band(rng, turns, 2.0), _phase.jumps_by(angle)
     # The middle of the Lorentz curve, and half its width.
     middle, width = drift + 0.04 * np.sin(angle), 0.04 * (1 - np.cos(angle))
-    way = search(z, middle, width, jumps, 0.04)
-    number, deviation = jumps_told(z, way, jumps)
+    way = _phase.search(z, middle, width, jumps, 0.04)
+    number, deviation = _phase.jumps_told(z, way, jumps)
     assert abs(number - often.mean()) < 3 * deviation
     assert abs(way.drift - drift) < 0.01
     # All but a few within two moments.
-    course = np.cumsum(jumps_between(z, way, jumps))
+    course = np.cumsum(_phase.jumps_between(z, way, jumps))
     assert np.mean(np.abs(course - np.cumsum(often)) > 0.5) < 0.08
-    other = search(z, middle, width, NO_JUMPS, 0.0)
-    assert log_likelihood(z, way, jumps) - log_likelihood(z, other, NO_JUMPS) > 20
+    other = _phase.search(z, middle, width, _phase.NO_JUMPS, 0.0)
+    assert (
+        _phase.log_likelihood(z, way, jumps) - _phase.log_likelihood(z, other, _phase.NO_JUMPS) > 20
+    )
 
 
 def record(kind: str) -> np.ndarray:
