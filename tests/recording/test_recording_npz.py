@@ -139,3 +139,12 @@ def test_an_ending_that_belongs_to_the_other_kind(write, archive, noise, tmp_pat
         load(write("array.npz", (tmp_path / "whole.npy").read_bytes()))
     with pytest.raises(RecordingError, match=r"zip\.npy is an \.npz file in truth: rename it"):
         load(write("zip.npy", archive(gyro_x=noise[:, 0]).read_bytes()))
+
+
+def test_a_unit_and_a_rate_by_other_names_are_not_passed_over_in_silence(archive, noise):
+    """`unit="deg/s"` was, and the recording was in no unit."""
+    path = archive(gyro_x=noise[:, 0], units=None, unit="deg/s", Fs=200.0, note="a bench")
+    findings = [str(each) for each in load(path).findings]
+    assert any(each.startswith("The value unit is not read") for each in findings)
+    assert any(each.startswith("The number Fs is not read") for each in findings)
+    assert not any("note" in each for each in findings)

@@ -11,7 +11,7 @@ _RATE = re.compile(
     r"f_?s(_?hz)?|odr(_?hz)?|(sampl(e|ing)_?)?(rate|freq(uency)?)(_?hz)?", re.IGNORECASE
 )
 
-_UNITS_EXAMPLE = '{"gyro_x": "deg/s"}'
+UNITS_EXAMPLE = '{"gyro_x": "deg/s"}'
 
 
 def is_rate(name: str) -> bool:
@@ -38,6 +38,6 @@ def units_by_channel(file: str, text: str | np.ndarray | None) -> dict[str, str]
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
         raise RecordingError(
             f"{file}: `units` must be a JSON string that gives each channel a unit, such as "
-            f"'{_UNITS_EXAMPLE}'."
+            f"'{UNITS_EXAMPLE}'."
         )
     return units

@@ -13,7 +13,7 @@ import numpy as np
 
 from ._damage import each_guarded, quiet
 from ._files import refuse_bomb
-from ._names import units_by_channel
+from ._names import UNITS_EXAMPLE, is_rate, is_unit, units_by_channel
 from ._recording import Block, RecordingError, Table, table_blocks
 
 # What NumPy and zipfile raise on bytes that are not what they should be.
@@ -90,6 +90,13 @@ def _arrays(path: Path, arrays: dict[str, np.ndarray]) -> Table:
             findings += (
                 f"The array {name} is left out: a channel is a 1-D array of real numbers, and it "
                 f"is {array.ndim}-D of {array.dtype}.",
+            )
+        elif is_rate(name):
+            findings += (f"The number {name} is not read: the sampling rate is `rate_hz`, in Hz.",)
+        elif is_unit(name):
+            findings += (
+                f"The value {name} is not read: units are `units`, a JSON string that gives each "
+                f"channel a unit, such as '{UNITS_EXAMPLE}'.",
             )
     if not columns:
         raise RecordingError(f"{path.name} holds no channel: store each as a 1-D array of numbers.")
