@@ -38,6 +38,8 @@ _LIKELIER, _HOPEFUL = 6.0, 0.3
 _OTHER_ANGLES, _SHARPER, _DIFFUSE = (0.5, 1.5), 2.0, 0.5
 # Where more samples than this are lost for each that is not, nobody would call it a recording.
 _MOST_LOST = 0.2
+# A line that turns by less in a sample [rad] does not jump.
+_TURNS = 0.1
 
 
 class _Line(NamedTuple):
@@ -68,9 +70,11 @@ def lost_on_the_way(state: Investigation) -> Lost | None:
     line = _strongest(state)
     if line is None or not 0 < line.rate <= _MOST_LOST:
         return None
+    angle = 2 * np.pi * line.middle
+    if angle < _TURNS:
+        return None
     band = _band(state, state.longest, line, 1 / (_OFTEN * line.rate))
     asked = _Asked(band, line)
-    angle = 2 * np.pi * line.middle
     losses = jumps_by(angle)
     others = (NO_JUMPS, 0.0), (ANY_JUMPS, asked.most)
     part = asked.searched(losses, asked.most)
