@@ -23,9 +23,9 @@ KINDS = ("losses", "losses of mains", "diffusing phase", "wandering line", "reso
 LASTS, MAINS = 3000.0, 2e-5
 
 
-def wander(rng: np.random.Generator, samples: int, lasts: float = LASTS) -> np.ndarray:
+def wander(rng: np.random.Generator, samples: int) -> np.ndarray:
     """A process of deviation one that reverts to zero."""
-    decay = np.exp(-1 / lasts)
+    decay = np.exp(-1 / LASTS)
     begun = np.sqrt(1 - decay**2) * rng.standard_normal(samples)
     begun[0] = rng.standard_normal()
     return np.asarray(lfilter([1.0], [1.0, -decay], begun))

@@ -64,6 +64,10 @@ class _Band(NamedTuple):
         """What a phase goes on by from moment to moment [rad]."""
         return 2 * np.pi * (frequency - self.lowest) * self.apart
 
+    def frequency(self, drift: float) -> float:
+        """Of a phase that goes on by so much."""
+        return self.lowest + drift / (2 * np.pi * self.apart)
+
 
 def lost_on_the_way(state: Investigation) -> Lost | None:
     """The losses that blur the strongest line, if it is they that do."""
@@ -78,10 +82,14 @@ def lost_on_the_way(state: Investigation) -> Lost | None:
     losses = jumps_by(angle)
     others = (NO_JUMPS, 0.0), (ANY_JUMPS, asked.most)
     part = asked.searched(losses, asked.most)
-    if any(part.likelihood - asked.searched(*each).likelihood < _HOPEFUL for each in others):
-        return None
+    rivals = []
+    for jumps, most in others:
+        rival = asked.searched(jumps, most)
+        if part.likelihood - rival.likelihood < _HOPEFUL:
+            return None
+        rivals.append((jumps, rival.way))
     found = asked.refined(losses, part.way)
-    gain = min(found.likelihood - asked.best(*each).likelihood for each in others)
+    gain = min(found.likelihood - asked.refined(*rival).likelihood for rival in rivals)
     # A line whose phase diffuses as far as it jumps is one that wanders.
     jumped = 2 * found.way.jumps * (1 - np.cos(angle))
     if gain < _LIKELIER or found.way.spread > _DIFFUSE * jumped:
@@ -95,7 +103,7 @@ def lost_on_the_way(state: Investigation) -> Lost | None:
             return None
     way = found.way
     placed = [_placed(state, piece, line, band, way) for piece in state.long_pieces]
-    frequency = band.lowest + way.drift / (2 * np.pi * band.apart)
+    frequency = band.frequency(way.drift)
     rate, deviation = (each / band.apart for each in jumps_told(asked.whole, way, losses))
     return Lost(rate / (1 + rate), tuple(chain(*placed)), frequency, gain, deviation)
 
@@ -142,7 +150,7 @@ def _placed(
     apart = max(_CLEAR / max(power, 1e-9), (piece[1] - piece[0]) / _PLACED)
     band = _band(state, piece, line, min(apart, known.apart))
     times = band.apart / known.apart
-    drift = band.drift(known.lowest + way.drift / (2 * np.pi * known.apart))
+    drift = band.drift(known.frequency(way.drift))
     nearer = Turning(drift, way.jumps * times, way.spread * times)
     jumps = jumps_between(band.moments, nearer, jumps_by(2 * np.pi * line.middle))
     counts = np.diff(np.round(np.cumsum(jumps)), prepend=0.0).astype(int)
