@@ -1,5 +1,9 @@
 """emcee's posterior: diagnostics, repeatability, and agreement with the one drawn in JAX."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -43,3 +47,32 @@ def test_diagnostics_see_a_chain_that_has_not_mixed():
     assert r_hat(mixed) < 1.01
     assert effective_sample_size(mixed) > 2000
     assert r_hat(mixed + np.arange(8)[:, None]) > 1.5
+
+
+def test_diagnostics_need_no_home_and_announce_nothing(tmp_path):
+    """In a process of its own, as arviz is loaded once."""
+    home = tmp_path / "home"
+    home.write_text("no folder")
+    moved = ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR")
+    environment = {name: value for name, value in os.environ.items() if name not in moved}
+    code = (
+        "from allanfit.cli import main\n"
+        "main(['--version'])\n"
+        "import numpy as np\n"
+        "from allanfit.identify._diagnostics import r_hat\n"
+        "import platformdirs\n"
+        "print(r_hat(np.random.default_rng(0).normal(size=(8, 500))) < 1.01)\n"
+        "print(platformdirs.user_cache_dir('arviz'))\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env=environment | {"HOME": str(home)},
+        check=False,
+    )
+    assert run.stderr == ""
+    _, small, folder = run.stdout.splitlines()
+    assert small == "True"
+    # What others ask platformdirs for later is as it was.
+    assert folder.startswith(str(home))

@@ -328,8 +328,8 @@ def _truth_table(result: RecordingFit) -> str:
 
 def main(argv: Sequence[str]) -> int:
     """Run one command; returns the exit status."""
-    # Which of its fonts a machine lacks is no matter of the user's.
-    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
+    # Which fonts a machine lacks, and where else to cache them, is no matter of the user's.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     try:
         configure_program()
         app(args=list(argv))
