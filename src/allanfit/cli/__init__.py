@@ -54,6 +54,8 @@ from ._options import (
 )
 from ._unused import tell_left_out, tell_undrawn
 
+_INTERRUPTED = 130  # as shells say it, and typer of the commands that keep nothing
+
 app = typer.Typer(
     name="allanfit",
     no_args_is_help=True,
@@ -345,7 +347,7 @@ def main(argv: Sequence[str]) -> int:
             text = f"{told}: {error.strerror}."
         message = printable(" ".join(text.split()))
         typer.echo(f"allanfit: {message}", err=True)
-        return 1
+        return _INTERRUPTED if isinstance(error.__cause__, KeyboardInterrupt) else 1
     return 0
 
 

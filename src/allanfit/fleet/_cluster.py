@@ -4,10 +4,12 @@ import logging
 import multiprocessing
 import os
 import re
+import signal
 import socket
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING
 
 from ._errors import FleetError, fleet_extra
@@ -43,20 +45,51 @@ def connected(scheduler: str | None, workers: int | None) -> "Iterator[distribut
         yield client
 
 
-def _started(distributed, workers: int | None) -> "distributed.LocalCluster":
+@contextmanager
+def _started(distributed, workers: int | None) -> "Iterator[distributed.LocalCluster]":
+    """Processes of this machine, which end with this one, and not at a Ctrl-C of their own."""
+    with _interrupts_held() as let_go:
+        try:
+            cluster = distributed.LocalCluster(
+                n_workers=workers or _cores(),
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address="127.0.0.1:0",  # any port that is free
+                silence_logs=logging.CRITICAL,
+            )
+        except RuntimeError as error:
+            raise FleetError(
+                "No worker process could be started. Each reads the script that calls run_fleet, "
+                "if there is one: it has to do so below a line `if __name__ == '__main__':`."
+            ) from error
+        with cluster:
+            let_go()
+            yield cluster
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[Callable[[], None]]:
+    """Hold Ctrl-C back until what this gives is called, or the end.
+
+    A terminal sends it to all processes of a command. Those started meanwhile hold it back for
+    ever, and so do those that dask starts in place of a lost one, from a thread started meanwhile:
+    it is for this process to end them.
+    """
+    if sys.platform == "win32":  # has no such masks
+        yield lambda: None
+        return
+    # Left to start when it is needed, it would let interrupts through in the thread that does.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+    def let_go() -> None:
+        # Where one waits it is raised here.
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
     try:
-        return distributed.LocalCluster(
-            n_workers=workers or _cores(),
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",  # any port that is free
-            silence_logs=logging.CRITICAL,
-        )
-    except RuntimeError as error:
-        raise FleetError(
-            "No worker process could be started. Each reads the script that calls run_fleet, if "
-            "there is one: it has to do so below a line `if __name__ == '__main__':`."
-        ) from error
+        yield let_go
+    finally:
+        let_go()
 
 
 def leave_if_worker() -> None:
