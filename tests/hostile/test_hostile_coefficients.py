@@ -4,6 +4,8 @@ import json
 import os
 import re
 
+import equinox as eqx
+import jax
 import numpy as np
 import pytest
 from bad_coefficients import BAD
@@ -38,11 +40,14 @@ def test_export_refuses(case, tmp_path, refused):
 @pytest.fixture
 def half_failed(tmp_path):
     """A fit's JSON of two channels, of which one is good and one had no finite sample."""
-    good = np.random.default_rng(1).standard_normal(512)
-    channels = [
-        allanfit.fit(values, 100.0).to_dict(name, "deg/s")["channels"][0]
-        for name, values in (("good", good), ("bad", np.full(512, np.nan)))
-    ]
+    good = allanfit.fit(np.random.default_rng(1).standard_normal(512), 100.0)
+    # As of data that JAX traces: that which is known is refused.
+    unknown = jax.tree.map(
+        lambda leaf: leaf & False if leaf.dtype == bool else leaf * np.nan, good.estimate
+    )
+    bad = eqx.tree_at(lambda fit: fit.estimate, good, unknown)
+    fits = {"good": good, "bad": bad}
+    channels = [fit.to_dict(name, "deg/s")["channels"][0] for name, fit in fits.items()]
     assert [channel["status"] == "converged" for channel in channels] == [True, False]
     path = tmp_path / "fit.json"
     path.write_text(

@@ -1,5 +1,6 @@
 """`fit` and `fit_many` on simulated records: truth, batches, derivatives, bad input."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -195,8 +196,41 @@ def test_words_and_numbers_that_mean_nothing_are_refused():
     for probability in (95.0, 0.0, -1.0):
         with pytest.raises(ValueError, match="between 0 and 1"):
             found.interval(probability)
+    # As of traced data, which is not refused.
+    failed = eqx.tree_at(lambda fit: fit.estimate.converged, found, jnp.zeros((), bool))
     with pytest.raises(ValueError, match="did not converge"):
-        allanfit.sample(allanfit.fit(np.full(512, np.nan), 100.0))
+        allanfit.sample(failed)
+
+
+def _changed(value, *, of=slice(None)):
+    data = np.random.default_rng(1).standard_normal(600)
+    data[of] = value
+    return data
+
+
+@pytest.mark.parametrize(
+    ("data", "stretches", "message"),
+    [
+        (_changed(np.nan, of=[7, 9]), None, "2 of 600 values .* NaN or infinite, .* at index 7:"),
+        (_changed(np.inf, of=420), ((0, 300), (350, 600)), "1 of 250 values .* at index 420:"),
+        (_changed(0.1), None, "data is constant"),
+        (_changed(0.0), ((0, 300), (350, 600)), "data is constant"),
+        (_changed(9.81).tolist(), None, "data is constant"),
+    ],
+)
+def test_values_without_noise_are_refused(data, stretches, message):
+    with pytest.raises(ValueError, match=message):
+        allanfit.fit(data, 100.0, stretches=stretches)
+    with pytest.raises(ValueError, match=message):
+        allanfit.fit(jnp.asarray(data), 100.0, stretches=stretches)
+
+
+def test_values_that_are_not_used_or_not_known_are_not_refused():
+    stretches = ((0, 300), (350, 600))
+    data = _changed(np.nan, of=slice(300, 350))
+    assert bool(allanfit.fit(data, 100.0, stretches=stretches).converged)
+    traced = jax.eval_shape(lambda x: allanfit.fit(x, 100.0).least_squares["N"], data)
+    assert traced.shape == ()
 
 
 def test_a_batch_has_no_document():

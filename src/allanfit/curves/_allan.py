@@ -45,6 +45,9 @@ def allan_variance(
     - `cluster_sizes`: increasing integers from 1 to half the record; octaves and three sizes
       between by default (`allanfit.cluster_sizes`).
 
+    **Returns:** a value a size; NaN throughout for a sensor that holds NaN, for which the others
+    of a batch do not suffer.
+
     **Raises:** `ValueError` for a size out of range, fewer than 3 samples, or data that is not
     one or two axes of real numbers.
     """

@@ -155,9 +155,9 @@ def fit_series(
     - `seed`: of the posterior's draws; the same seed gives the same numbers.
     - `stretches`: (start, stop) pairs of usable, gap-free runs; by default the whole record.
 
-    **Raises:** `ValueError` for a wrong shape, too few samples or a rate that is not positive.
-    A NaN in the data makes `Fit.converged` false instead, so that one broken sensor in a batch
-    leaves the others alone.
+    **Raises:** `ValueError` for a wrong shape, too few samples, a rate that is not positive, and
+    within `stretches` for values that are not finite or all alike. Those of data that JAX traces
+    are not known, and make `Fit.converged` false instead.
     """
     series = as_series(data, rate_hz)
     if series.ndim != 1:
@@ -169,10 +169,32 @@ def fit_series(
     check_lengths(lengths)
     layout = design(lengths, sampling)
     pieces = tuple(series[start:stop] for start, stop in stretches)
+    if not isinstance(series, Tracer):
+        _refuse_values_without_noise(pieces, stretches)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     if not isinstance(found.least_squares, Tracer):
         found = _between_even_ends(found, pieces, layout, rate_hz, seed)
     return Fit(found, layout, rate_hz)
+
+
+def _refuse_values_without_noise(
+    pieces: tuple[Float[Array, " _"], ...], stretches: tuple[tuple[int, int], ...]
+) -> None:
+    """Raise `ValueError` where nothing is known of the values, or nothing moves."""
+    known = [np.asarray(piece) for piece in pieces]
+    for values, (start, _) in zip(known, stretches, strict=True):
+        broken = np.flatnonzero(~np.isfinite(values))
+        if broken.size:
+            raise ValueError(
+                f"data must be finite; {broken.size} of {values.size} values in a stretch are NaN "
+                f"or infinite, the first at index {start + broken[0]}: name the runs without them "
+                "by stretches=((start, stop), ...)"
+            )
+    if all(np.ptp(values) == 0 for values in known):
+        raise ValueError(
+            "data is constant, and a sensor that never moves shows no noise: look for a wrong "
+            "column, or a sensor that hangs"
+        )
 
 
 def _between_even_ends(

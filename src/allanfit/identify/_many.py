@@ -40,8 +40,8 @@ def fit_many(
 ) -> Fit:
     """Identify a batch of sensors with records of one length, shape (sensors, samples).
 
-    Each sensor stands alone: one full of NaN has `converged` false and leaves the others'
-    numbers as they are.
+    Each sensor stands alone: one that holds NaN or is constant has `converged` false and NaN for
+    its coefficients, and leaves the others' numbers as they are.
 
     Sensors are taken in groups, shared out among all devices of the kind that holds the data, or
     among the cores of a processor. A NumPy array stays where it is, and only the groups at work
@@ -55,7 +55,8 @@ def fit_many(
     - `seed`: of the posterior's draws; the same seed gives the same numbers, on any number of
       devices.
 
-    **Returns:** a `Fit` whose arrays have a leading axis of sensors.
+    **Returns:** a `Fit` whose arrays have a leading axis of sensors; `converged` says of each
+    whether its numbers mean anything.
 
     **Raises:** `ValueError` for a wrong shape, too few samples or a rate that is not positive.
     """

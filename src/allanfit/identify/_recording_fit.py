@@ -288,7 +288,8 @@ def fit(
     options of `fit_series`. A `Recording` from `allanfit.load` goes to a `RecordingFit` of all
     its channels, with the options of `fit_recording`.
 
-    **Raises:** `ValueError` for a wrong shape, too few samples, or a rate that is missing.
+    **Raises:** `ValueError` for a wrong shape, too few samples, a rate that is missing, and for an
+    array whose values are not finite or all alike, unless JAX traces it: see `fit_series`.
     """
     if isinstance(data, Recording):
         if rate_hz is not None:
