@@ -1,5 +1,7 @@
 """The multi-position test: other solvers, coverage, rests of a recording, and bad positions."""
 
+import re
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -126,6 +128,29 @@ def test_a_stated_deviation_that_is_too_small_is_noticed():
     for sigma, noticed in ((1e-3, True), (3e-3, False)):
         findings = multi_position(data, gravity=GRAVITY, sigma=sigma).findings
         assert any("scatter more than" in each for each in findings) is noticed
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_a_position_that_stands_out_is_named_and_the_scatter_told(known):
+    """Of 200 tables without one, 2 show one by chance: more than 8 once in 4000."""
+    rng = np.random.default_rng(6)
+    found, alarms = directions(rng, 24), 0
+
+    def calibrated(data):
+        return multi_position(data, gravity=GRAVITY, reference=found if known else None)
+
+    for _ in range(200):
+        quiet = calibrated(readings(found, rng, 1e-3))
+        alarms += any("stands out" in each for each in quiet.findings)
+    assert alarms <= 8
+    data = readings(found, rng, 1e-3)
+    # The scatter has 15 or 60 degrees of freedom: the tolerance is four standard deviations.
+    told = float(re.search(r"residuals scatter by (\S+) m/s\^2", quiet.description)[1])
+    assert told == pytest.approx(1e-3, rel=0.8)
+    data[16, 1] += 0.05
+    (finding,) = [each for each in calibrated(data).findings if "stands out" in each]
+    assert finding.startswith("Position 17 stands out from the others")
+    assert ("on y" in finding) is known
 
 
 @pytest.fixture

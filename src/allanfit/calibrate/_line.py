@@ -5,6 +5,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ._outlier import studentized
+
 
 class Line(NamedTuple):
     """Least squares of reading - reference = bias + slope reference, errors of equal size."""
@@ -19,12 +21,7 @@ class Line(NamedTuple):
 
 
 def straight_line(reference: Float[Array, " readings"], reading: Float[Array, " readings"]) -> Line:
-    """Fit bias and slope error; the covariance has readings - 2 degrees of freedom.
-
-    The externally studentized residual of reading i is r_i/(s_i sqrt(1 - h_ii)), with the
-    leverage h_ii and s_i^2 = (r'r - r_i^2/(1 - h_ii))/(readings - 3): Student's t with
-    readings - 3 degrees of freedom (Belsley, Kuh and Welsch 1980, Regression Diagnostics, 2.1).
-    """
+    """Fit bias and slope error; the covariance has readings - 2 degrees of freedom."""
     unit = jnp.max(jnp.abs(reference))
     columns = jnp.stack([jnp.ones_like(reference), reference / unit], axis=1)
     inverse = jnp.linalg.inv(columns.T @ columns)
@@ -33,13 +30,10 @@ def straight_line(reference: Float[Array, " readings"], reading: Float[Array, " 
     freedom = reference.shape[0] - 2
     squares = jnp.sum(residual**2)
     leverage = jnp.sum((columns @ inverse) * columns, axis=1)
-    share = residual**2 / (1 - leverage)
-    # Rounding alone may leave less than nothing.
-    without = jnp.maximum(squares - share, 0.0) / jnp.maximum(freedom - 1, 1)
     scale = jnp.stack([jnp.ones_like(unit), 1 / unit])
     return Line(
         value=value * scale,
         covariance=squares / jnp.maximum(freedom, 1) * inverse * scale[:, None] * scale,
         residual=residual,
-        studentized=residual / jnp.sqrt(without * (1 - leverage)),
+        studentized=studentized(residual, leverage, freedom),
     )

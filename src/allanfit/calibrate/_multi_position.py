@@ -13,6 +13,7 @@ from ._gravity import checked_gravity, refuse_wrong_unit
 from ._intervals import Intervals, normal_intervals, student_intervals
 from ._known_attitude import attitude_columns, fit_attitudes
 from ._norm_fit import ORTHOGONAL, PARAMETERS, NormFit, correction_matrix, fit_norm, jacobian
+from ._outlier import stands_out, studentized
 from ._positions import PositionData, Positions, read_positions
 from ._result import AxisCalibration, Calibration, Correction, Quantity, Residuals
 
@@ -136,6 +137,9 @@ def _by_norm(
     freedom = count - size
     squares = float(jnp.sum(fit.residual**2))
     about += _about_fit(condition, squares, freedom, sigma)
+    slopes = _jacobian(fit.value, readings)
+    leverage = jnp.sum((slopes @ fit.inverse) * slopes, axis=1)
+    about += _about_outlier(np.asarray(studentized(fit.residual, leverage, freedom)), freedom)
     interval = _interval(squares, freedom, sigma)
     errors = np.sqrt(np.diag(np.asarray(fit.inverse)))
     values = np.asarray(fit.value)
@@ -148,7 +152,8 @@ def _by_norm(
     return Calibration(
         procedure="multi-position",
         source=found.name,
-        description=_description(count, gravity, "attitudes unknown"),
+        description=_description(count, gravity, "attitudes unknown")
+        + _scatter(squares, freedom, factor, unit),
         intervals=_meaning(freedom, sigma),
         conditions=_conditions(gravity, count, False, size == ORTHOGONAL, condition[0]),
         axes={
@@ -191,6 +196,10 @@ def _by_attitude(
         )
     squares = np.sum(fit.residual**2, axis=0)
     about = _about_fit(condition, float(squares.sum()), 3 * freedom, sigma)
+    columns = attitude_columns(jnp.asarray(reference))
+    leverage = jnp.sum((columns @ fit.inverse) * columns, axis=1)
+    each = [studentized(residual, leverage, freedom) for residual in jnp.asarray(fit.residual.T)]
+    about += _about_outlier(np.stack(each, axis=1), freedom, found.axes)
     axes, misalignment = {}, {}
     for i, axis in enumerate(found.axes):
         interval = _interval(float(squares[i]), freedom, sigma)
@@ -213,7 +222,8 @@ def _by_attitude(
     return Calibration(
         procedure="multi-position",
         source=found.name,
-        description=_description(count, gravity, "attitudes known"),
+        description=_description(count, gravity, "attitudes known")
+        + _scatter(float(squares.sum()), 3 * freedom, factor, unit),
         intervals=_meaning(freedom, sigma, " an axis"),
         conditions=_conditions(gravity, count, True, False, condition[0]),
         axes=axes,
@@ -309,6 +319,29 @@ def _about_fit(
                 ": the intervals are too narrow; leave it out to have them from the scatter.",
             )
     return findings
+
+
+def _about_outlier(
+    studentized: Float64[np.ndarray, "positions *axes"], freedom: int, axes: Sequence[str] = ()
+) -> tuple[str, ...]:
+    """The position that stands out most, if by more than one test in a hundred would show."""
+    worst = stands_out(studentized, freedom)
+    if worst is None:
+        return ()
+    position, *axis = np.unravel_index(worst, studentized.shape)
+    where = f" on {axes[int(axis[0])]}" if axis else ""
+    return (
+        f"Position {position + 1} stands out from the others{where} (studentized residual "
+        f"{studentized.flat[worst]:.1f}), and widens all intervals: repeat it, or leave it out.",
+    )
+
+
+def _scatter(squares: float, freedom: int, factor: float, unit: str) -> str:
+    """The standard deviation of a reading, as the residuals tell it."""
+    if freedom <= 0:
+        return ""
+    size = significant(factor * np.sqrt(squares / freedom), 2)
+    return f", residuals scatter by {f'{size} {unit}'.strip()}"
 
 
 def _meaning(freedom: int, sigma: float | None, each: str = "") -> str:

@@ -7,11 +7,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float64
-from scipy.stats import t
 
 from ..formatting import significant
 from ._intervals import student_intervals
 from ._line import straight_line
+from ._outlier import stands_out
 from ._rate_file import RateData, RatePairs, RateTable, read_rate_table
 from ._result import AxisCalibration, Calibration, Quantity, Residuals
 
@@ -20,8 +20,6 @@ EARTH_RATE = 7.292115e-5
 # Slopes are within a few per cent of one; columns that were mixed up are not.
 _LARGEST_SCALE_ERROR = 0.5
 _FEWEST_RATES = 3
-# Family-wise, over the readings of an axis.
-_OUTLIER = 0.01
 _MEANING = (
     "Student's t intervals from the scatter of the readings about one straight line, which "
     "includes whatever bends the line."
@@ -267,11 +265,9 @@ def _about_outlier(
     studentized: Float64[np.ndarray, " readings"],
 ) -> tuple[str, ...]:
     """The reading that stands out most, if by more than one table in a hundred would show."""
-    freedom = len(studentized) - 3
-    sizes = np.where(np.isfinite(studentized), np.abs(studentized), 0.0)
-    if freedom < 1 or 2 * t.sf(sizes.max(), freedom) * len(sizes) > _OUTLIER:
+    worst = stands_out(studentized, len(studentized) - 2)
+    if worst is None:
         return ()
-    worst = int(np.argmax(sizes))
     way = "clockwise" if worst < len(rate) else "counter-clockwise"
     shown = significant(rate[worst % len(rate)] / pairs.unit.factor)
     return (
