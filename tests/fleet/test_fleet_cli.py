@@ -26,11 +26,15 @@ def test_a_summary_on_stdout_and_messages_on_stderr(recordings, fleet, capsys):
     status, output = fleet(recordings[0].parent)
     out, err = capsys.readouterr()
     assert status == 0
-    assert "3 recordings, 2 channels of 2 devices: 3 analysed now" in out
+    assert "3 recordings, 2 channels of 2 devices: 2 analysed now, 0 unchanged" in out
     assert "gyro_x [deg/s], 2 devices" in out
     assert "damaged.npz" in out
     assert "allanfit: 1 of 3 recordings could not be analysed" in err
     assert "<svg" in (output / "summary.html").read_text()
+    # What failed is no result that is unchanged either.
+    assert fleet(recordings[0].parent)[0] == 0
+    again = " ".join(capsys.readouterr().out.split())
+    assert "0 analysed now, 2 unchanged since an earlier run. 1 recording could not be" in again
     # Another recording beside those that are there.
     other = write_recording(recordings[0].with_name("unit_7.npz"), seed=7)
     assert fleet(other)[0] == 0

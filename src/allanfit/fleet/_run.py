@@ -33,13 +33,15 @@ class FleetRun:
     recordings: tuple[Path, ...]
     rows: tuple[Row, ...]
     analysed: int
-    """Recordings that this run analysed."""
+    """Recordings that this run analysed, or tried to."""
     unchanged: int
     """Recordings whose results were there already."""
     kept: tuple[tuple[Path, str], ...]
     """Recordings that could not be read again, whose earlier results stay, and why."""
     others: int
     """Recordings of earlier runs in the same folder that this run was not asked for."""
+    failed: int = 0
+    """How many of those that this run tried came to an error."""
 
     @property
     def errors(self) -> tuple[tuple[Path, str], ...]:
@@ -89,7 +91,7 @@ def run_fleet(
     options = options or Options()
     tasks = [_task(path, options, store, elsewhere=scheduler is not None) for path in recordings]
     begin(len(tasks))
-    analysed, unchanged, kept = 0, 0, []
+    analysed, unchanged, failures, kept = 0, 0, 0, []
     try:
         with connected(scheduler, workers) as client:
             for outcome in _outcomes(client, tasks, waiting):
@@ -100,6 +102,7 @@ def run_fleet(
                 else:
                     store.write(outcome.path, outcome.rows)
                     analysed += 1
+                    failures += outcome.error is not None
                 done(outcome.path)
     except (KeyboardInterrupt, CancelledError) as stop:
         finished = analysed + unchanged + len(kept)
@@ -109,7 +112,8 @@ def run_fleet(
             "command goes on from there."
         ) from stop
     rows = tuple(store.read_all(recordings))
-    return FleetRun(recordings, rows, analysed, unchanged, tuple(kept), store.others(recordings))
+    others = store.others(recordings)
+    return FleetRun(recordings, rows, analysed, unchanged, tuple(kept), others, failures)
 
 
 def _task(path: Path, options: Options, store: Store, elsewhere: bool) -> Task:

@@ -11,12 +11,13 @@ _SIGNIFICANT = 0.05
 
 
 def counts_sentence(run: FleetRun, devices: int) -> str:
-    """What was done."""
+    """What was done; each recording is counted once."""
+    unchanged = run.unchanged - (len(run.errors) - run.failed)
     channels = sum(row["channel"] is not None for row in run.rows)
     parts = [
         f"{_count(len(run.recordings), 'recording')}, {_count(channels, 'channel')} of "
-        f"{_count(devices, 'device')}: {run.analysed} analysed now, {run.unchanged} unchanged "
-        "since an earlier run."
+        f"{_count(devices, 'device')}: {run.analysed - run.failed} analysed now, {unchanged} "
+        "unchanged since an earlier run."
     ]
     if run.errors:
         parts.append(f"{_count(len(run.errors), 'recording')} could not be analysed.")
