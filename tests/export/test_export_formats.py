@@ -289,6 +289,17 @@ def test_a_fit_that_does_not_hold_is_doubted_in_the_file_too(write_fit, make_cha
     assert "do not explain" not in export(write_fit(make_channel("gx")), name).text
 
 
+@pytest.mark.parametrize("name", FORMATS)
+def test_several_fits_that_do_not_hold_are_doubted_in_one_sentence(write_fit, make_channel, name):
+    doubtful = [make_channel(each) for each in ("gx", "gy", "gz")]
+    for channel in doubtful:
+        channel["goodness_of_fit"] = {"p_value": 1e-9, "consistent": False}
+    exported = export(write_fit(*doubtful), name)
+    (said,) = [each for each in exported.warnings if "do not explain" in each]
+    assert "do not explain gx, gy and gz: their numbers describe them in part only" in said
+    assert prose(exported.text).count("in part only") == 1
+
+
 def test_without_white_noise_the_advice_is_to_explain_what_the_terms_do_not(
     write_fit, write_explained, make_channel
 ):

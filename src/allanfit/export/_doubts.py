@@ -9,14 +9,20 @@ _OTHERS = "choose other channels with --channel"
 
 
 def doubts(fit: FitFile, channels: Iterable[FitChannel]) -> list[str]:
-    """A sentence for each channel whose numbers describe it in part only."""
+    """A sentence for the channels whose numbers describe them in part only.
+
+    Those with effects beside the five terms have one of their own.
+    """
     # Where explain has looked already, there is no more to do.
     advice = "" if fit.explained else f"; {_EXPLAIN_IT}"
-    return [
-        f"The {_unexplained(channel)}: its numbers describe it in part only{advice}."
-        for channel in channels
-        if not channel.consistent
-    ]
+    doubtful = [channel for channel in channels if not channel.consistent]
+    said = []
+    for with_effects in (False, True):
+        alike = [each for each in doubtful if bool(each.effects) == with_effects]
+        if alike:
+            what = "its numbers describe it" if len(alike) == 1 else "their numbers describe them"
+            said.append(f"The {_unexplained(alike)}: {what} in part only{advice}.")
+    return said
 
 
 def no_white_noise(fit: FitFile, channel: FitChannel) -> str:
@@ -28,9 +34,12 @@ def no_white_noise(fit: FitFile, channel: FitChannel) -> str:
             "for longer."
         )
     advice = _OTHERS if fit.explained else f"{_EXPLAIN_IT}, or {_OTHERS}"
-    return f"{missing}, and the {_unexplained(channel)}: {advice}."
+    return f"{missing}, and the {_unexplained([channel])}: {advice}."
 
 
-def _unexplained(channel: FitChannel) -> str:
-    named = " and what explain names" if channel.effects else ""
-    return f"five terms{named} do not explain {channel.name}"
+def _unexplained(channels: list[FitChannel]) -> str:
+    """Of channels that all have effects, or none."""
+    named = " and what explain names" if channels[0].effects else ""
+    *others, last = (channel.name for channel in channels)
+    listed = f"{', '.join(others)} and {last}" if others else last
+    return f"five terms{named} do not explain {listed}"
