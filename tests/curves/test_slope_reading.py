@@ -45,6 +45,41 @@ def test_neighbours_lift_the_flat_part_by_half():
     assert read(N=n, B=1e-3, K=k)["B"] > 1.3e-3
 
 
+def read_of_slopes(*slopes):
+    """The reading of a curve from 1 at the first time, of these slopes from each time to the next.
+
+    A local slope is the mean of both beside it.
+    """
+    deviation = 2.0 ** np.concatenate([[0.0], np.cumsum(slopes)])
+    found = read_slopes(jnp.asarray(TAU[: len(deviation)]), jnp.asarray(deviation))
+    return {symbol: float(value) for symbol, value in found.items()}
+
+
+def test_a_fall_right_of_the_white_noise_is_no_quantization_noise():
+    white = [-0.5] * 6
+    flat = [-0.2, 0.0, 0.0]
+    found = read_of_slopes(*white, *flat, -1.0, -1.0)
+    assert found["N"] == pytest.approx(np.sqrt(TAU[0]), rel=1e-9)
+    assert found["B"] == pytest.approx(2.0**-3.2 / np.sqrt(2 * np.log(2) / np.pi), rel=1e-9)
+    assert np.isnan([found["Q"], found["K"], found["R"]]).all()
+    # Not even if white noise follows again, or nothing is in between.
+    assert read_of_slopes(*white, -1.0, -1.0, -0.5, -0.5)["N"] == found["N"]
+    for end in ([-1.0, -1.0, -0.5, -0.5], [-1.0, -1.0]):
+        assert np.isnan(read_of_slopes(*white, *end)["Q"])
+
+
+def test_lines_are_read_in_the_order_of_their_slopes():
+    white, walk = [-0.5] * 6, [0.5] * 4
+    # The flat part at the end is flatter than that between the two, which is B's.
+    found = read_of_slopes(*white, -0.3, 0.1, *walk, 0.0, 0.0)
+    assert found["B"] == pytest.approx(2.0**-3.3 / np.sqrt(2 * np.log(2) / np.pi), rel=1e-9)
+    place = 2.0 ** (-3.2 + 0.5)
+    assert found["K"] == pytest.approx(place * np.sqrt(3 / TAU[9]), rel=1e-9)
+    # A rise before the white noise, as a filter makes, is no walk.
+    found = read_of_slopes(*walk, *white, *white)
+    assert np.isnan([found["B"], found["K"], found["R"]]).all()
+
+
 def test_simulated_sensors_show_the_bias():
     truth = {"N": 5e-3, "B": 1e-3, "K": 1e-4}
     records = np.stack(
