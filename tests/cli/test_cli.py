@@ -151,6 +151,16 @@ def test_simulate_then_load_gives_the_same_samples(tmp_path, ending):
     np.testing.assert_allclose(found.samples / found.factor, expected, rtol=1e-12)
 
 
+def test_simulate_says_what_it_wrote_and_in_place_of_what(tmp_path, capsys):
+    source, output = tmp_path / "c.yaml", tmp_path / "sim.csv"
+    source.write_text("unit: deg/s\nN: 1e-2\n")
+    arguments = ["simulate", str(source), "--duration", "10", "--rate", "50", "--seed", "7"]
+    told = f"Recording: {output}, 500 samples, 10 s at 50 Hz, seed 7"
+    for more in ("", ", in place of the file that was there"):
+        assert main([*arguments, "--output", str(output)]) == 0
+        assert capsys.readouterr() == ("", f"{told}{more}\n")
+
+
 def test_the_largest_seed_simulates_every_channel_and_a_larger_one_is_told(tmp_path, capsys):
     source, output = tmp_path / "c.yaml", tmp_path / "sim.npz"
     source.write_text("gyro: {N: 1 deg/√h}\naccelerometer: {N: 60 ug/√Hz}\n", encoding="utf-8")

@@ -214,7 +214,12 @@ def simulate(
         tell_undrawn(entry)
         columns[entry.channel] = np.asarray(samples)
         units[entry.channel] = entry.unit
+    replaced = output.is_file()
     save(output, columns, units, rate)
+    size = next(iter(columns.values())).size
+    parts = (f"{size} samples", f"{size / rate:.6g} s at {rate:g} Hz", f"seed {seed}")
+    told = ", ".join((*parts, "in place of the file that was there") if replaced else parts)
+    typer.echo(f"Recording: {output}, {told}", err=True)
 
 
 @app.command()
