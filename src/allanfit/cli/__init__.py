@@ -1,7 +1,7 @@
 """The command line: a thin shell around the library.
 
 Exit status: 0 done, 1 the analysis could not be done (one line on stderr says why), 2 wrong
-usage. Data goes to stdout, messages to stderr, progress only to a terminal.
+usage, 130 interrupted. Data goes to stdout, messages to stderr, progress only to a terminal.
 """
 
 import logging
