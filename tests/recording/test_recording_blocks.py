@@ -95,6 +95,24 @@ def test_blocks_hold_what_the_whole_file_holds(name, columns, tmp_path):
     assert read == sorted(read)
 
 
+@pytest.mark.parametrize("start", [1, 15_300, 18_970, 18_975, 19_000, 19_900, 49_000])
+@pytest.mark.parametrize("by", [7, -7])
+def test_wrong_stamps_are_told_alike_wherever_a_block_ends(start, by, columns, tmp_path):
+    """The first block tells of up to 18,976 samples, and of what it does not the next one."""
+    time = 10_000_000 * np.arange(ROWS)
+    time[start : start + 900] += by * 1_000_000_000
+    time[4_000] = 0
+    path = tmp_path / "a.npz"
+    write(path, {"time": time, "gyro_x": CODES[:, 0] / 1000, "gyro_y": CODES[:, 1] / 1000})
+    blocks, whole = read_in_blocks(path, block_samples=5000), load(path)
+    found = collected(blocks)
+    assert [samples.size for samples in found["gyro_x"]] == [ROWS]
+    assert blocks.rate_hz == pytest.approx(RATE_HZ, rel=1e-9)
+    assert whole.rate_hz == pytest.approx(RATE_HZ, rel=1e-9)
+    assert blocks.findings == whole.findings
+    assert "901 time stamps do not fit" in whole.findings[0]
+
+
 @pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.npz", "a.h5"])
 def test_between_blocks_the_caller_may_print_and_warn(name, columns, tmp_path):
     write(tmp_path / name, columns)

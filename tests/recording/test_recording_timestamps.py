@@ -223,6 +223,124 @@ def test_stamps_set_back():
     )
 
 
+MIDDLE = 7_000
+
+
+def wrong(by, at=MIDDLE, stamps=EVEN):
+    """Stamps of which one, or some, are off by so many seconds."""
+    stamps = stamps.copy()
+    stamps[at] += by
+    return stamps
+
+
+def reordered(*rows):
+    order = np.arange(EVEN.size)
+    order[np.concatenate(rows)] = np.concatenate(rows[::-1])
+    return EVEN[order]
+
+
+def about(number, first, off):
+    one = number == 1
+    return (
+        f"{number} time stamp{' does' if one else 's do'} not fit those before and after, damaged "
+        f"or of rows out of order: {'at' if one else 'the first at'} sample {first}, off by {off} "
+        "s. The samples stay in the order of the file, at the times that the other stamps tell.",
+    )
+
+
+@pytest.mark.parametrize(
+    ("stamps", "number", "first", "off"),
+    [
+        *((wrong(by), 1, MIDDLE, f"{by:g}") for by in (0.02, 0.5, 2, 5, 10, 30, -0.03, -5, -70)),
+        (wrong(1e6), 1, MIDDLE, "1e+06"),
+        (wrong(30, slice(MIDDLE, MIDDLE + 200)), 200, MIDDLE, "30"),
+        (wrong(-2, slice(MIDDLE, MIDDLE + 900)), 900, MIDDLE, "-2"),
+        (wrong(1e6, 0), 1, 0, "1e+06"),
+        (wrong(-70, -1), 1, EVEN.size - 1, "-70"),
+        (wrong(30, 7_400, wrong(30)), 2, MIDDLE, "30"),
+        (reordered([MIDDLE], [MIDDLE + 1]), 2, MIDDLE, "0.01"),
+        (reordered([MIDDLE], [MIDDLE + 3]), 2, MIDDLE, "0.03"),
+        (reordered([MIDDLE], [MIDDLE + 500]), 2, MIDDLE, "5"),
+        # A hundred rows that come after the 900 that should follow them.
+        (reordered(np.arange(5_000, 5_100), np.arange(5_100, 6_000)), 1_000, 5_000, "1"),
+    ],
+)
+@pytest.mark.parametrize("scatter", [0.0, 1e-4])
+def test_wrong_stamps_change_neither_rate_nor_samples(stamps, number, first, off, scatter):
+    """A few of 20,000 at exactly 100 Hz."""
+    told = clock(stamps + scatter * random().uniform(-1, 1, EVEN.size))
+    assert told.rate_hz == pytest.approx(100, rel=1e-9 if not scatter else 2e-6)
+    assert (told.breaks, told.lost, len(told.wrong)) == ((), 0.0, number)
+    assert told.wrong[0] == first
+    assert len(told.findings) == 1
+    if not scatter:
+        assert told.findings == about(number, first, off)
+
+
+@pytest.mark.parametrize("share", [0.001, 0.01, 0.05])
+@pytest.mark.parametrize("value", [0.0, "random"])
+def test_many_wrong_stamps(share, value):
+    rng = random()
+    stamps, off = EVEN.copy(), rng.random(EVEN.size) < share
+    stamps[off] = rng.uniform(-1_000, 10_000, off.sum()) if value == "random" else value
+    told = clock(stamps)
+    assert told.rate_hz == pytest.approx(100, rel=1e-6)
+    assert (told.breaks, told.lost) == ((), 0.0)
+    assert set(np.flatnonzero(off)) <= set(told.wrong)
+    assert len(told.wrong) <= 1.03 * off.sum()
+
+
+def test_more_wrong_stamps_than_can_be_mended():
+    """The clock is 5 s ahead for a thousand samples, three times."""
+    stamps = EVEN[:16_000].copy()
+    for start in (1_000, 6_000, 11_000):
+        stamps[start : start + 1_000] += 5
+    with pytest.raises(RecordingError, match="3000 of 16000 do not fit those before and after"):
+        clock(stamps)
+
+
+@pytest.mark.parametrize("before", [0, 1])
+def test_a_wrong_stamp_at_a_gap_hides_none_of_it(before):
+    stamps = EVEN.copy()
+    stamps[MIDDLE:] += 30
+    told = clock(wrong(1e6, MIDDLE - before, stamps))
+    assert told.rate_hz == pytest.approx(100, rel=1e-9)
+    assert told.breaks == (MIDDLE + 1 - before,)
+    assert told.wrong == (MIDDLE - before,)
+    assert "a gap of 30.01 s" in told.findings[-1]
+
+
+def test_a_wrong_stamp_where_the_clock_is_set_back_changes_no_rate():
+    stamps = EVEN.copy()
+    stamps[MIDDLE + 1 :] -= 50
+    told = clock(wrong(30, stamps=stamps))
+    assert told.rate_hz == pytest.approx(100, rel=1e-9)
+    assert told.breaks[-1] == MIDDLE + 1
+    assert "step backward 1 time" in told.findings[-1]
+
+
+@pytest.mark.parametrize("by", [-30, -0.5, 0.5, 30])
+def test_a_clock_that_was_set_is_not_wrong(by):
+    told = clock(wrong(by, slice(MIDDLE, None)))
+    assert (told.rate_hz, told.breaks, told.wrong) == (pytest.approx(100), (MIDDLE,), ())
+
+
+def test_wrong_stamps_among_losses_bursts_and_jitter():
+    kept = random().random(EVEN.size) > 0.01
+    told = clock(wrong(30, stamps=EVEN[kept]))
+    assert told.rate_hz == pytest.approx(100, rel=1e-6)
+    assert told.lost == pytest.approx(1 - kept.mean(), abs=2e-4)
+    assert told.wrong == (MIDDLE,)
+    for stamps in (
+        np.repeat(EVEN[::20], 20),
+        EVEN + 3e-3 * random().standard_normal(EVEN.size),
+        late(EVEN),
+    ):
+        sound, told = clock(stamps), clock(wrong(30, stamps=stamps))
+        assert (sound.wrong, told.wrong, told.breaks) == ((), (MIDDLE,), ())
+        assert told.rate_hz == pytest.approx(sound.rate_hz, rel=1e-6)
+
+
 def test_missing_stamps_are_said():
     stamps = EVEN.copy()
     stamps[[5, 6, 100]] = np.nan

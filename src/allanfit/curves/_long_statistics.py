@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..physics import Sampling, check_sampling
-from ..recording._timestamps import SHORTEST_STRETCH
+from ..recording._lateness import SHORTEST_STRETCH
 from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
 from ._design import (

@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float
 from ..curves import Design, as_series, design, ends_matter, even_ends, unit_scale
 from ..physics import SYMBOLS, Sampling
 from ..recording._checks import FEWEST_SAMPLES
-from ..recording._timestamps import SHORTEST_STRETCH
+from ..recording._lateness import SHORTEST_STRETCH
 from ._estimate import Estimate, estimate
 
 # N is wrong at first where errors at the ends rule, and hardly changes from the second time on.

@@ -21,6 +21,7 @@ from ._checks import (
 from ._copies import about_copies, copies
 from ._formats import read_blocks
 from ._frozen import FrozenBlocks, frozen
+from ._lateness import CATCH_UP, about_wrong
 from ._load import (
     about_units,
     channel_of,
@@ -33,7 +34,6 @@ from ._load import (
 )
 from ._mistakes import about_mistakes
 from ._recording import Channel, Progress, RecordingError, Table
-from ._timestamps import CATCH_UP
 from ._wording import count, left_out
 
 # Time stamps are judged over as many samples at least, as those of a short record are.
@@ -82,6 +82,8 @@ class Blocks:
         self._units = units_of(self._asked, aside, first, unit)
         self._findings = dict.fromkeys(first.findings)
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
+        self._wrong: list[int] = []
+        self._off_s = 0.0
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
         self._judged, self._stamp_unit = 0, ""
         self._copies, self._rows_read = 0, 0
@@ -104,7 +106,11 @@ class Blocks:
     @property
     def findings(self) -> tuple[str, ...]:
         """About the file and its time stamps, so far."""
-        found = [*self._findings, *about_copies(self._copies, self._rows_read)]
+        found = [
+            *self._findings,
+            *about_copies(self._copies, self._rows_read),
+            *about_wrong(self._wrong, self._off_s),
+        ]
         if self._breaks:
             found.append(
                 f"The time stamps break {count(self._breaks, 'time')}: samples are missing there, "
@@ -166,7 +172,7 @@ class Blocks:
                     continue
                 # Whether a step there is a gap is told by the samples to come.
                 known = size - CATCH_UP
-            breaks = self._judge(replace(table, columns=columns), known)
+            known, breaks = self._judge(replace(table, columns=columns), known)
             held = {name: column[known:] for name, column in columns.items()}
             yield (
                 {name: self._units[name].read(columns[name][:known]) for name in self._asked},
@@ -191,15 +197,24 @@ class Blocks:
         self._rows_read += again.size
         return {name: column[~again] for name, column in columns.items()}
 
-    def _judge(self, table: Table, known: int) -> tuple[int, ...]:
+    def _judge(self, table: Table, known: int) -> tuple[int, tuple[int, ...]]:
+        """How many of the samples are known to the end, and where among them a gap ends."""
         if self._stamp_unit and self._stamps is not None:
             # As the first block was understood, so are all.
             table = replace(table, units={**table.units, self._stamps: self._stamp_unit})
-        clock = clock_of(self._path, table, self._stamps, self._given_hz)
+        clock = clock_of(self._path, table, self._stamps, self._given_hz, known)
         self._stamp_unit = clock.unit
-        size = next(iter(table.columns.values())).size
-        breaks = tuple(at for at in clock.breaks if at <= known and at < size)
-        said = tuple(each for each in clock.findings if not each.startswith("The time stamps have"))
+        known, breaks = clock.known or known, clock.breaks
+        if clock.wrong and not self._wrong:
+            self._off_s = clock.off_s
+        self._wrong += [self._samples + at for at in clock.wrong]
+        # Gaps and wrong stamps are told of all blocks together.
+        wrong = about_wrong(clock.wrong, clock.off_s)
+        said = tuple(
+            each
+            for each in clock.findings
+            if not each.startswith("The time stamps have") and each not in wrong
+        )
         if said:
             self._doubts.append((self._samples, said))
         self._judged += 1
@@ -207,7 +222,7 @@ class Blocks:
         self._samples += known
         self._seconds += known / clock.rate_hz
         self._lost += known * clock.lost
-        return breaks
+        return known, breaks
 
     def _first_look(
         self,

@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from scipy.stats import nbinom
 
+from ._lateness import SHORTEST_STRETCH
 from ._no_sensor import why_counter
 from ._recording import Channel
 from ._spikes import about_spikes, written
-from ._timestamps import SHORTEST_STRETCH
 from ._units import parse_unit
 from ._wording import count, percent, quantity
 

@@ -15,9 +15,9 @@ import numpy as np
 from ..extras import needs
 from ._damage import careful
 from ._files import refuse_bomb
+from ._lateness import SHORTEST_STRETCH
 from ._names import is_rate, is_unit
 from ._recording import Block, RecordingError, Table
-from ._timestamps import SHORTEST_STRETCH
 from ._topics import Topic
 from ._tree import Leaf, Place, Tree, longest, tree_table, tree_topics
 

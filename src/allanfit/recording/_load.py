@@ -252,8 +252,14 @@ def check_lengths(path: Path, table: Table, names: list[str]) -> None:
         )
 
 
-def clock_of(path: Path, table: Table, stamps: str | None, rate_hz: float | None) -> Clock:
-    """The time axis by a given rate, the column `stamps`, or both."""
+def clock_of(
+    path: Path,
+    table: Table,
+    stamps: str | None,
+    rate_hz: float | None,
+    known: int | None = None,
+) -> Clock:
+    """The time axis by a given rate, the column `stamps`, or both; `known` as for `read_clock`."""
     if stamps is None:
         if rate_hz is None:
             raise NoRateError(
@@ -267,7 +273,8 @@ def clock_of(path: Path, table: Table, stamps: str | None, rate_hz: float | None
             )
         return Clock(rate_hz, (), ())
     try:
-        clock = read_clock(table.columns[stamps], stamps, table.units.get(stamps, ""), rate_hz)
+        unit = table.units.get(stamps, "")
+        clock = read_clock(table.columns[stamps], stamps, unit, rate_hz, known)
         check_rate(clock.rate_hz, "that of the time stamps")
     except RecordingError as error:
         if rate_hz is None:

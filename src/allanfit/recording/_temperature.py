@@ -6,8 +6,9 @@ import re
 import numpy as np
 from jaxtyping import Float64
 
+from ._lateness import SHORTEST_STRETCH
 from ._recording import Channel, Table
-from ._timestamps import SHORTEST_STRETCH, Clock, time_columns
+from ._timestamps import Clock, time_columns
 from ._units import temperature_scale
 from ._wording import count, percent
 

@@ -3,6 +3,7 @@
 A sensor samples evenly; its stamps often do not. Transport delivers samples in bursts, a busy
 computer stamps them late, a coarse clock repeats itself. A late sample is told from a lost one by
 what follows: after a delay later stamps catch up with the even grid, after a gap none ever does.
+Wrong stamps, which those before and after contradict, are mended first.
 
 Single losses are counted where stamps are rounded to at most half an interval. Rounded to more, a
 step with a loss may be as short as one without, and some are missed. Rounded to nearly an interval,
@@ -16,11 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Num
 
+from ._lateness import CATCH_UP, GAP, SHORTEST_STRETCH, about_wrong, lost_time, mended
 from ._recording import RecordingError
 from ._wording import count, percent
-
-SHORTEST_STRETCH = 16
-"""Fewer samples than this between two gaps carry nothing an analysis could use."""
 
 OF_DAY = "ns of the day"
 """The unit of stamps that begin again at midnight."""
@@ -54,14 +53,11 @@ _SHORT_FOR_S = 5e-5
 _FASTEST_S, _SLOWEST_S, _USUAL_S = 1e-5, 100.0, 0.15
 _WRAP = 2.0**32
 
-# Stamps catch up within a burst or a blocked moment; no transport holds more samples than this.
-CATCH_UP = 1024
-# A loss of fewer samples moves the time axis too little to matter, and cutting there would take
-# the long averaging times away.
-_GAP = 10
 # Where stamps are rounded to half an interval or less, a step differs from the median step by up to
 # half of that (two clock steps and one more), a step with a loss by at least 2/3 (three and five).
 _NEAR = 0.6
+# Of more stamps that are wrong, nothing is to be had.
+_MOST_WRONG = 0.1
 # Steps between the first and the last of these quantiles are alike. Late samples and losses make
 # some too long; fewer are too short, where stamps catch up.
 _ALIKE = (0.1, 0.5, 0.85)
@@ -83,6 +79,12 @@ class Clock:
     """Index of the first sample after each of these losses, and how many were lost."""
     unit: str = ""
     """What the stamps count, one of s, ms, us and ns, where there are any."""
+    wrong: tuple[int, ...] = ()
+    """Index of each sample with a wrong stamp."""
+    off_s: float = 0.0
+    """By how much the first of these is off."""
+    known: int = 0
+    """So many samples, from the first on, are told of; 0 without stamps."""
 
 
 def is_time(name: str, unit: str = "") -> bool:
@@ -114,11 +116,16 @@ def _plain_unit(unit: str) -> str:
 
 
 def read_clock(
-    stamps: Num[np.ndarray, " samples"], name: str, unit: str, given_hz: float | None
+    stamps: Num[np.ndarray, " samples"],
+    name: str,
+    unit: str,
+    given_hz: float | None,
+    known: int | None = None,
 ) -> Clock:
     """The time axis told by `stamps`, called `name`, in `unit` (empty when unknown).
 
     `given_hz` is the rate known from elsewhere: it helps to infer the unit and is compared.
+    Of the samples from about `known` on nothing is said: it takes those that follow them.
 
     **Raises** `RecordingError` when no rate can be had from the stamps.
     """
@@ -130,53 +137,84 @@ def read_clock(
     ticks, wrapped = _over_wraps(ticks)
     findings += wrapped
     counted, tick, doubt = _tick(name, unit, stamps, _typical_interval(ticks), given_hz)
-    time = ticks * tick
-    steps = np.diff(time)
-    backward = int(np.count_nonzero(steps < 0))
-    interval = _typical_interval(time)
-    if backward > 0.1 * steps.size:
-        raise _unusable(f"{backward} of {stamps.size} are earlier than the one before")
+    read = ticks * tick
+    backward = int(np.count_nonzero(np.diff(read) < 0))
+    if backward > _MOST_WRONG * read.size:
+        raise _unusable(f"{backward} of {read.size} are earlier than the one before")
+    interval = _typical_interval(read)
     if interval <= 0:
         raise _unusable("they do not increase")
+    time, off = mended(read, interval)
+    wrong = np.flatnonzero(off)
+    if wrong.size > _MOST_WRONG * read.size:
+        raise _unusable(f"{wrong.size} of {read.size} do not fit those before and after")
+    if wrong.size:
+        # The first stamp may be one of them.
+        read, time = read - time[0], time - time[0]
+        interval = _typical_interval(time)
+    steps = np.diff(time)
+    # Samples that are told of, and steps.
+    end = read.size if known is None else known
+    if end < read.size and off[end]:
+        # Wrong stamps in a row are left to the next together, with one before them.
+        end = int(np.flatnonzero(~off[:end])[-1])
+    told = min(end, steps.size)
+    backward = int(np.count_nonzero(steps[:told] < 0))
     # Single losses can be told only where most steps are as long as they should be.
     regular = np.mean(np.abs(steps - interval) < 0.25 * interval) > 0.5
+    # Where the clock was set back it goes on, so that lost time is counted on either side.
+    set_back = np.flatnonzero(steps < -GAP * interval)
+    steps[set_back] = interval
+    onward = np.concatenate([[0.0], np.cumsum(steps)]) if set_back.size else time
     # Once the losses are known, the mean interval is sharper than the typical one.
     for _ in range(2):
-        lost = _lost_time(time, interval)
-        lost[lost < (0.5 if regular else _GAP) * interval] = 0.0
+        lost = lost_time(onward, interval)
+        lost[lost < (0.5 if regular else GAP) * interval] = 0.0
         # A few are whole samples; of what follows them the earliest stamp is earlier than it should
         # be by all that stamps scatter.
-        lost = np.where(lost < _GAP * interval, np.round(lost / interval) * interval, lost)
-        set_back = steps < -_GAP * interval
-        lost[set_back] = steps[set_back] - interval
+        lost = np.where(lost < GAP * interval, np.round(lost / interval) * interval, lost)
         # Nothing follows the last few that could tell whether they are late.
-        known = steps.size - SHORTEST_STRETCH
-        interval = float((time[known] - lost[:known].sum()) / known)
+        last = steps.size - SHORTEST_STRETCH
+        interval = float((onward[last] - lost[:last].sum()) / last)
         if not interval > 0:
             raise _unusable("they do not increase")
-    gaps = np.flatnonzero(lost >= _GAP * interval)
-    few = np.flatnonzero((lost > 0) & (lost < _GAP * interval))
-    counts = np.round(lost / interval).astype(int)
+    set_back = set_back[set_back < told]
+    wrong = wrong[wrong < end]
+    gaps = np.flatnonzero(lost[:told] >= GAP * interval)
+    few = np.flatnonzero((lost[:told] > 0) & (lost[:told] < GAP * interval))
+    counts = np.round(lost[:told] / interval).astype(int)
     dropped = int(counts[few].sum())
     # More digits than stamps carry would only be the rounding of the sum.
     rate_hz = float(f"{1 / interval:.9g}")
+    off_s = float(read[wrong[0]] - time[wrong[0]]) if wrong.size else 0.0
     findings += doubt
+    findings += about_wrong(wrong.tolist(), off_s)
     findings += _about_gaps(time, steps, gaps, lost, interval)
     if dropped:
         findings += (
             "Missing by the time stamps, a few at a time: "
-            f"{count(dropped, 'sample')} ({percent(dropped / steps.size)}). The rate allows for "
+            f"{count(dropped, 'sample')} ({percent(dropped / told)}). The rate allows for "
             "them, and the others are taken as consecutive.",
         )
-    findings += _about_order(backward, int(np.count_nonzero(set_back)))
+    findings += _about_order(backward, set_back.size)
     findings += _about_jitter(steps - lost, interval)
     findings += _about_rate(rate_hz, given_hz)
-    breaks = np.union1d(gaps, np.flatnonzero(set_back)) + 1
+    breaks = np.union1d(gaps, set_back) + 1
     # Where single samples are lost, so are the longer runs: no more than a pause is.
     brief = int(counts[(counts > 0) & (counts < CATCH_UP)].sum()) if dropped else 0
-    lost_share = brief / (steps.size + brief)
+    lost_share = brief / (told + brief)
     losses = tuple(zip((few + 1).tolist(), counts[few].tolist(), strict=True))
-    return Clock(rate_hz, tuple(breaks.tolist()), findings, lost_share, losses, counted)
+    return Clock(
+        rate_hz=rate_hz,
+        breaks=tuple(breaks.tolist()),
+        findings=findings,
+        lost=lost_share,
+        losses=losses,
+        unit=counted,
+        wrong=tuple(wrong.tolist()),
+        off_s=off_s,
+        known=end,
+    )
 
 
 def _unusable(reason: str) -> RecordingError:
@@ -240,7 +278,7 @@ def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
         typical = np.mean(steps[np.abs(steps - typical) < reach])
         # That leaves out steps over losses. Once they are counted too, the roundings cancel.
         counts = np.round(steps / typical)
-        few = np.abs(counts) < _GAP
+        few = np.abs(counts) < GAP
         return float(np.sum(steps[few]) / np.sum(counts[few]))
     for window in (4, 16, 64, 256, CATCH_UP):
         if 4 * window > time.size:
@@ -298,25 +336,6 @@ def _tick(
         f"{interval:.4g}: write the unit in the header, as in `{name} [{inferred}]`."
     )
     return inferred, _SECONDS[inferred], (finding,)
-
-
-def _lost_time(
-    time: Float64[np.ndarray, " samples"], interval: float
-) -> Float64[np.ndarray, " steps"]:
-    """By how much all that follows a step stays behind the even grid through the step's start."""
-    late = time - interval * np.arange(time.size)
-    window = max(SHORTEST_STRETCH, min(CATCH_UP, time.size // 8))
-    # The smallest lateness of the `window` samples from each one on, by doubling.
-    earliest = np.concatenate([late[1:], np.full(window, np.inf)])
-    reach = 1
-    while reach < window:
-        shift = min(reach, window - reach)
-        earliest = np.minimum(earliest[:-shift], earliest[shift:])
-        reach += shift
-    lost = earliest[: time.size - 1] - late[:-1]
-    # Too few samples are left to catch up: a late last packet is no gap.
-    lost[-SHORTEST_STRETCH:] = 0.0
-    return lost
 
 
 def _about_gaps(

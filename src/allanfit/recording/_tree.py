@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from ._csv_header import BRACKETED
+from ._lateness import SHORTEST_STRETCH
 from ._names import is_rate, is_unit, units_by_channel
 from ._recording import RecordingError, Table
 from ._temperature import is_temperature
-from ._timestamps import SHORTEST_STRETCH, is_time
+from ._timestamps import is_time
 from ._topics import Topic, topic_of
 
 Place = tuple[str, ...]
