@@ -223,6 +223,33 @@ def test_stamps_set_back():
     )
 
 
+@pytest.mark.parametrize("rate_hz", [5, 50, 95.2, 100, 104, 1_000, 1_660])
+@pytest.mark.parametrize("seconds", [15.4, 90.7, 300])
+def test_stamps_in_whole_seconds_give_the_rate(rate_hz, seconds):
+    """Within a sample at either end, wherever in a second the recording begins and ends."""
+    stamps = np.floor(np.arange(round(seconds * rate_hz)) / rate_hz + 0.37)
+    told = clock(stamps, unit="s")
+    assert told.rate_hz == pytest.approx(rate_hz, rel=1 / (rate_hz * (seconds - 3)))
+    assert told.breaks == ()
+    about = f"the others are 1000 ms later, and the mean interval is {1e3 / told.rate_hz:.4g} ms; "
+    assert about in told.findings[0]
+    within = float(re.search(r"The rate is known to within (.*) %\.", told.findings[0])[1])
+    assert abs(told.rate_hz / rate_hz - 1) <= within / 100 < 2 / (rate_hz * (seconds - 3))
+
+
+def test_breaks_of_a_coarse_clock_make_its_rate_less_sure():
+    stamps = np.floor(EVEN)
+    stamps[7_050:] -= 60
+    (order, uneven) = clock(stamps).findings
+    assert "step backward 1 time, far enough to cut" in order
+    assert "known to within 0.51 %" in uneven
+
+
+def test_stamps_of_busy_moments_are_no_coarse_clock():
+    """Most of these repeat, and the new ones are as late as the busy moments are long."""
+    assert "known to within" not in clock(late(EVEN)).findings[-1]
+
+
 MIDDLE = 7_000
 
 

@@ -31,22 +31,18 @@ _BLOCK = 32
 
 
 def lost_time(
-    time: Float64[np.ndarray, " samples"], interval: float
+    time: Float64[np.ndarray, " samples"], interval: float, window: int
 ) -> Float64[np.ndarray, " steps"]:
-    """By how much all that follows a step stays behind the even grid through the step's start."""
+    """By how much the next `window` samples stay behind the even grid through a step's start."""
     late = time - interval * np.arange(time.size)
-    window = _reach(time.size)
     # The smallest lateness of the `window` samples from each one on, by doubling.
     earliest = np.concatenate([late[1:], np.full(window, np.inf)])
-    reach = 1
-    while reach < window:
-        shift = min(reach, window - reach)
+    seen = 1
+    while seen < window:
+        shift = min(seen, window - seen)
         earliest = np.minimum(earliest[:-shift], earliest[shift:])
-        reach += shift
-    lost = earliest[: time.size - 1] - late[:-1]
-    # Too few samples are left to catch up: a late last packet is no gap.
-    lost[-SHORTEST_STRETCH:] = 0.0
-    return lost
+        seen += shift
+    return earliest[: time.size - 1] - late[:-1]
 
 
 def mended(
@@ -88,10 +84,10 @@ def _around(
     These are the two beside the step where the clock was set for good. One is beyond the end of
     the recording where too few stamps are left there to tell.
     """
-    reach, beyond = _reach(late.size), step + 1
+    most, beyond = reach(late.size), step + 1
     # Lowest of the stamps so far back, and highest of those so far on.
-    lowest = np.minimum.accumulate(late[max(0, beyond - reach) : beyond][::-1])
-    highest = np.maximum.accumulate(late[beyond : beyond + reach])
+    lowest = np.minimum.accumulate(late[max(0, beyond - most) : beyond][::-1])
+    highest = np.maximum.accumulate(late[beyond : beyond + most])
     on = np.searchsorted(highest, lowest - slack)
     between = np.where(on < highest.size, np.arange(lowest.size) + on, late.size)
     back = int(np.argmin(between))
@@ -99,7 +95,7 @@ def _around(
     # Fewer between are of no use as a stretch; more may be one, behind a gap, of a clock set back.
     if between[back] < SHORTEST_STRETCH:
         return before, after
-    if between[back] < reach and late[after] - late[before] < gap:
+    if between[back] < most and late[after] - late[before] < gap:
         return before, after
     if late.size - beyond < SHORTEST_STRETCH:
         return step, late.size
@@ -108,7 +104,8 @@ def _around(
     return step, beyond
 
 
-def _reach(samples: int) -> int:
+def reach(samples: int) -> int:
+    """Samples after which stamps have caught up, in a recording of so many."""
     return max(SHORTEST_STRETCH, min(CATCH_UP, samples // 8))
 
 

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Num
 
-from ._lateness import CATCH_UP, GAP, SHORTEST_STRETCH, about_wrong, lost_time, mended
+from ._interval import fresh, typical_interval
+from ._lateness import CATCH_UP, GAP, SHORTEST_STRETCH, about_wrong, lost_time, mended, reach
 from ._recording import RecordingError
 from ._wording import count, percent
 
@@ -53,14 +54,8 @@ _SHORT_FOR_S = 5e-5
 _FASTEST_S, _SLOWEST_S, _USUAL_S = 1e-5, 100.0, 0.15
 _WRAP = 2.0**32
 
-# Where stamps are rounded to half an interval or less, a step differs from the median step by up to
-# half of that (two clock steps and one more), a step with a loss by at least 2/3 (three and five).
-_NEAR = 0.6
 # Of more stamps that are wrong, nothing is to be had.
 _MOST_WRONG = 0.1
-# Steps between the first and the last of these quantiles are alike. Late samples and losses make
-# some too long; fewer are too short, where stamps catch up.
-_ALIKE = (0.1, 0.5, 0.85)
 
 
 @dataclass(frozen=True)
@@ -136,12 +131,12 @@ def read_clock(
     ticks, findings = _from_first(stamps)
     ticks, wrapped = _over_wraps(ticks)
     findings += wrapped
-    counted, tick, doubt = _tick(name, unit, stamps, _typical_interval(ticks), given_hz)
+    counted, tick, doubt = _tick(name, unit, stamps, typical_interval(ticks), given_hz)
     read = ticks * tick
     backward = int(np.count_nonzero(np.diff(read) < 0))
     if backward > _MOST_WRONG * read.size:
         raise _unusable(f"{backward} of {read.size} are earlier than the one before")
-    interval = _typical_interval(read)
+    interval = typical_interval(read)
     if interval <= 0:
         raise _unusable("they do not increase")
     time, off = mended(read, interval)
@@ -151,10 +146,14 @@ def read_clock(
     if wrong.size:
         # The first stamp may be one of them.
         read, time = read - time[0], time - time[0]
-        interval = _typical_interval(time)
+        interval = typical_interval(time)
     steps = np.diff(time)
+    new = fresh(time)
+    # Samples of one stamp, and those of which one has caught up.
+    burst = int(np.median(np.diff(new))) if new.size else 0
+    window = max(reach(time.size), 2 * burst)
     # Samples that are told of, and steps.
-    end = read.size if known is None else known
+    end = read.size if known is None or known >= read.size else min(known, read.size - window)
     if end < read.size and off[end]:
         # Wrong stamps in a row are left to the next together, with one before them.
         end = int(np.flatnonzero(~off[:end])[-1])
@@ -166,16 +165,21 @@ def read_clock(
     set_back = np.flatnonzero(steps < -GAP * interval)
     steps[set_back] = interval
     onward = np.concatenate([[0.0], np.cumsum(steps)]) if set_back.size else time
+    # Nothing follows the last few that could tell whether they are late.
+    first, last = 0, steps.size - max(SHORTEST_STRETCH, burst)
+    if new.size:
+        # Where a coarse clock goes on, its stamps are as fresh.
+        first, last = int(new[0]), int(new[new <= last][-1])
     # Once the losses are known, the mean interval is sharper than the typical one.
     for _ in range(2):
-        lost = lost_time(onward, interval)
+        lost = lost_time(onward, interval, window)
+        # Too few samples are left to catch up: a late last packet is no gap.
+        lost[-max(SHORTEST_STRETCH, burst) :] = 0.0
         lost[lost < (0.5 if regular else GAP) * interval] = 0.0
         # A few are whole samples; of what follows them the earliest stamp is earlier than it should
         # be by all that stamps scatter.
         lost = np.where(lost < GAP * interval, np.round(lost / interval) * interval, lost)
-        # Nothing follows the last few that could tell whether they are late.
-        last = steps.size - SHORTEST_STRETCH
-        interval = float((onward[last] - lost[:last].sum()) / last)
+        interval = float((onward[last] - onward[first] - lost[first:last].sum()) / (last - first))
         if not interval > 0:
             raise _unusable("they do not increase")
     set_back = set_back[set_back < told]
@@ -197,7 +201,9 @@ def read_clock(
             "them, and the others are taken as consecutive.",
         )
     findings += _about_order(backward, set_back.size)
-    findings += _about_jitter(steps - lost, interval)
+    # Of a coarse clock, within a sample at either end, and a step of the clock where it breaks.
+    unsure = (1 + burst * (gaps.size + set_back.size)) / (last - first) if burst else 0.0
+    findings += _about_jitter(steps - lost, interval, unsure)
     findings += _about_rate(rate_hz, given_hz)
     breaks = np.union1d(gaps, set_back) + 1
     # Where single samples are lost, so are the longer runs: no more than a pause is.
@@ -246,7 +252,7 @@ def _from_first(
     if present.size < 0.9 * time.size:
         raise _unusable(f"{time.size - present.size} of {time.size} are missing or not finite")
     # Beyond the first and the last that are present, on at the usual interval.
-    interval = _typical_interval(time[present])
+    interval = typical_interval(time[present])
     at = np.arange(time.size)
     before, after = at - present[0], at - present[-1]
     time = np.interp(at, present, time[present])
@@ -266,32 +272,6 @@ def _over_wraps(
     ticks = ticks + _WRAP * np.concatenate([[0], np.cumsum(wraps)])
     times = count(int(wraps.sum()), "time")
     return ticks, (f"The time stamps count to 2^32 and begin again {times}; they are continued.",)
-
-
-def _typical_interval(time: Float64[np.ndarray, " samples"]) -> float:
-    """The interval away from gaps and losses, evened out over the shortest window that does."""
-    steps = np.diff(time)
-    low, typical, high = np.quantile(steps, _ALIKE)
-    reach = _NEAR * typical
-    if max(typical - low, high - typical) < reach and _few_pauses(steps, typical):
-        # The median of stamps that a coarse clock rounds is a whole number of its steps.
-        typical = np.mean(steps[np.abs(steps - typical) < reach])
-        # That leaves out steps over losses. Once they are counted too, the roundings cancel.
-        counts = np.round(steps / typical)
-        few = np.abs(counts) < GAP
-        return float(np.sum(steps[few]) / np.sum(counts[few]))
-    for window in (4, 16, 64, 256, CATCH_UP):
-        if 4 * window > time.size:
-            break
-        low, typical, high = np.quantile((time[window:] - time[:-window]) / window, _ALIKE)
-        if high - low < 0.25 * typical and _few_pauses(steps, typical):
-            break
-    return float(typical)
-
-
-def _few_pauses(steps: Float64[np.ndarray, " steps"], typical: float) -> bool:
-    """Whether these are no bursts, in which steps are alike too."""
-    return bool(np.mean(steps > 5 * typical) < 0.01)
 
 
 def _tick(
@@ -366,16 +346,24 @@ def _about_order(backward: int, set_back: int) -> tuple[str, ...]:
     return (f"The time stamps step backward {count(backward, 'time')}{cut}.",)
 
 
-def _about_jitter(steps: Float64[np.ndarray, " steps"], interval: float) -> tuple[str, ...]:
+def _about_jitter(
+    steps: Float64[np.ndarray, " steps"], interval: float, unsure: float
+) -> tuple[str, ...]:
     repeats = np.count_nonzero(steps == 0) / steps.size
     low, high = np.quantile(steps, [0.01, 0.99])
     if repeats < 0.01 and high - low < 0.5 * interval:
         return ()
     repeated = f"{percent(repeats)} repeat the one before, " if repeats >= 0.01 else ""
+    around = f"{1e3 * interval:.4g} ms"
+    spread = f"intervals range from {1e3 * low:.4g} to {1e3 * high:.4g} ms around {around}"
+    if repeats > 0.5:
+        # Most intervals are none.
+        ends = np.quantile(steps[steps != 0], [0.01, 0.99])
+        later = " to ".join(dict.fromkeys(f"{1e3 * end:.4g}" for end in ends))
+        spread = f"the others are {later} ms later, and the mean interval is {around}"
     return (
-        f"The time stamps are uneven: {repeated}intervals range from {1e3 * low:.4g} to "
-        f"{1e3 * high:.4g} ms around {1e3 * interval:.4g} ms; the samples are taken as evenly "
-        "spaced.",
+        f"The time stamps are uneven: {repeated}{spread}; the samples are taken as evenly spaced."
+        + (f" The rate is known to within {percent(unsure)}." if unsure else ""),
     )
 
 
