@@ -198,6 +198,15 @@ def test_a_sensor_that_was_touched(kind, archive):
     assert (20 if kind != "tilted" else 40) - 1 <= start <= (24 if kind != "tilted" else 60)
 
 
+def test_a_sensor_that_was_turned_is_no_angle(archive):
+    """Its changes grow with the time between two samples as well, up to the time it was turned."""
+    series = gyro("consumer", samples=30_000)
+    series[19_800:20_200] += 50 * DEGREE
+    findings = told(archive, "rad/s", series)
+    assert any("not at rest" in each for each in findings), findings
+    assert not any("as those of an angle do" in each for each in findings), findings
+
+
 def test_real_recordings_are_not_accused(shared):
     accused = {}
     for path in sorted((shared / "recordings").glob("*.npz")):

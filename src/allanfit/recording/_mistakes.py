@@ -37,6 +37,7 @@ _FEWEST = 64
 def about_mistakes(channels: Sequence[Channel], rate_hz: float) -> tuple[str, ...]:
     """Findings on channels that are not what they are said to be, or not at rest."""
     swapped = _about_swapped(channels)
+    moved = _about_motion(channels, rate_hz)
     return (
         *_about_rate(rate_hz),
         *swapped,
@@ -46,10 +47,11 @@ def about_mistakes(channels: Sequence[Channel], rate_hz: float) -> tuple[str, ..
             for finding in (
                 _about_counts(channel)
                 or (() if swapped else _about_angle_unit(channel, rate_hz))
-                or _about_sums(channel, rate_hz)
+                # The changes of what moved grow like those of a sum.
+                or (() if moved else _about_sums(channel, rate_hz))
             )
         ),
-        *_about_motion(channels, rate_hz),
+        *moved,
     )
 
 
