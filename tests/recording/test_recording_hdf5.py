@@ -42,9 +42,10 @@ def test_arrays_with_attributes(store, noise):
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_matrices_in_a_group(store, noise, turned):
-    matrix = noise.T if turned else noise
+    felt = 0.01 * noise + [0, 0, 1]
+    gyro, accel = (noise.T, felt.T) if turned else (noise, felt)
     path = store(
-        {"imu/gyro": matrix, "imu/accel [g]": matrix, "imu/time": np.arange(400) / 25},
+        {"imu/gyro": gyro, "imu/accel [g]": accel, "imu/time": np.arange(400) / 25},
         [("imu/gyro", "units", "dps")],
     )
     recording = load(path)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from allanfit.recording import load
+from allanfit.recording._gravity import about_gravity
 from allanfit.recording._mistakes import about_mistakes
 
 DEGREE = np.pi / 180
@@ -170,6 +171,66 @@ def test_gravity_in_the_gyros(swap, archive, tmp_path):
     assert any(f"gravity in {swap}: are the columns" in each for each in findings), findings
 
 
+def of_imu(archive, gyros, accelerometers, units=("deg/s", "g")):
+    """The findings on six axes."""
+    names = [f"{kind}_{axis}" for kind in ("gyro", "accel") for axis in "xyz"]
+    units = str(dict(zip(names, np.repeat(units, 3).tolist(), strict=True))).replace("'", '"')
+    return load(archive(**dict(zip(names, [*gyros, *accelerometers], strict=True)), units=units))
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("g", 9.80665), ("mg", 9.80665e-3), ("m/s^2", 1.0)])
+def test_swapped_columns_of_gyros_with_a_bias(unit, factor, archive):
+    """The bias, 0.37 deg/s in all, is no gravity either."""
+    gyros = [gyro("consumer", [5, k]) / DEGREE for k in range(3)]
+    gyros = [axis - axis.mean() + bias for axis, bias in zip(gyros, (0.1, -0.2, 0.3), strict=True)]
+    gravity = [axis / factor for axis in triad("consumer", 5)]
+    findings = of_imu(archive, gravity, gyros, ("deg/s", unit)).findings
+    assert any(f"gravity in {unit}: are the columns" in each for each in findings), findings
+    assert not any("feel" in each for each in findings), findings
+
+
+@pytest.mark.parametrize("felt", [0.37, 0.76, 1.35, 30.0])
+@pytest.mark.parametrize(("unit", "factor"), [("g", 1.0), ("m/s^2", 9.80665)])
+def test_accelerometers_that_feel_no_possible_gravity(felt, unit, factor, archive):
+    axes = [axis / 9.80665 * felt * factor for axis in triad("tactical", 3)]
+    gyros = [gyro("consumer", [5, k]) / DEGREE for k in range(3)]
+    (finding,) = (e for e in of_imu(archive, gyros, axes, ("deg/s", unit)).findings if "feel" in e)
+    assert finding == (
+        f"accel_x, accel_y and accel_z feel {felt * factor:.3g} {unit} in all, and at rest they "
+        f"would feel gravity, {factor:.3g} {unit}: is the unit or a scale factor another, or a "
+        "column not what its name says?"
+    )
+
+
+def test_a_linear_acceleration(archive):
+    axes = [axis - axis.mean() for axis in triad("consumer")]
+    gyros = [gyro("consumer", [5, k]) / DEGREE for k in range(3)]
+    (finding,) = (
+        e for e in of_imu(archive, gyros, axes, ("deg/s", "m/s^2")).findings if "feel" in e
+    )
+    assert "in all: gravity was taken out" in finding
+
+
+@pytest.mark.parametrize("grade", ACCELEROMETERS)
+def test_accelerometers_with_all_their_errors_feel_gravity(grade, archive):
+    """A scale factor of 3 %, a bias on each axis, and a sensor that is laid on another side."""
+    gyros = [gyro("consumer", [5, k]) / DEGREE for k in range(3)]
+    for seed in range(4):
+        bias = ACCELEROMETERS[grade][1]
+        axes = [1.03 * axis + bias for axis in triad(grade, seed)]
+        axes = [np.concatenate([axes[k], axes[k - 1]]) for k in range(3)]
+        longer = [np.tile(axis, 2) for axis in gyros]
+        findings = of_imu(archive, longer, axes, ("deg/s", "m/s^2")).findings
+        assert not any("feel" in each or "swapped" in each for each in findings), findings
+
+
+def test_one_accelerometer_may_feel_anything(archive):
+    findings = load(
+        archive(accel_x=triad("consumer")[0] / 3, units='{"accel_x": "m/s^2"}')
+    ).findings
+    assert not any("feel" in each for each in findings), findings
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_stamps_off_by_a_thousand(scale, archive):
     stamps = np.arange(6000) / RATE_HZ / scale
@@ -213,7 +274,8 @@ def test_real_recordings_are_not_accused(shared):
         if path.stem.startswith(("published", "adis16405_b")):
             continue
         recording = load(path)
-        accused |= {path.stem: about_mistakes(recording.channels, recording.rate_hz)}
+        said = about_mistakes(recording.channels, recording.rate_hz)
+        accused |= {path.stem: said + about_gravity(recording.channels)}
     assert {name: each for name, each in accused.items() if each} == {}
 
 

@@ -30,7 +30,9 @@ EXTENSION = {"bag": "still.bag", "sqlite3": "still", "mcap": "still"}
 
 @pytest.fixture
 def rows() -> np.ndarray:
-    return 0.01 * np.random.default_rng(3).standard_normal((400, 6))
+    """Gyros and accelerometers at rest."""
+    noise = 0.01 * np.random.default_rng(3).standard_normal((400, 6))
+    return noise + [0, 0, 0, 0, 0, 9.81]
 
 
 def of_imu(kind, rows, topic="/imu/data", frame="imu_link", stamps=None):

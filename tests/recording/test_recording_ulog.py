@@ -24,8 +24,9 @@ AXES = [f"{name}_{axis}" for name in ("gyro", "accel") for axis in "xyz"]
 
 @pytest.fixture
 def rows() -> np.ndarray:
+    """Gyros and accelerometers at rest."""
     noise = 0.01 * np.random.default_rng(6).standard_normal((400, 6))
-    return noise.astype(np.float32).astype(float)
+    return (noise + [0, 0, 0, 0, 0, 9.81]).astype(np.float32).astype(float)
 
 
 def combined(rows):
@@ -51,6 +52,7 @@ def test_sensor_combined(rows, tmp_path):
 
 
 def test_a_raw_sensor_is_timed_by_its_own_stamps(rows, tmp_path):
+    rows = rows[:, 3:]
     path = write_ulog(tmp_path / "log.ulg", {"sensor_accel": (RAW, raw(rows))})
     recording = load(path)
     assert (recording.rate_hz, recording.findings) == (250.0, ())

@@ -11,7 +11,6 @@ from jaxtyping import Bool, Float64
 
 from ._checks import (
     FEWEST_SAMPLES,
-    about_gravity,
     about_samples,
     split,
     usable,
@@ -21,6 +20,7 @@ from ._checks import (
 from ._copies import about_copies, copies
 from ._formats import read_blocks
 from ._frozen import FrozenBlocks, frozen
+from ._gravity import about_gravity
 from ._lateness import CATCH_UP, about_wrong
 from ._load import (
     about_units,

@@ -1,6 +1,5 @@
 """What is wrong with samples, told from the samples alone."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,15 +8,12 @@ from scipy.stats import nbinom
 
 from ._lateness import SHORTEST_STRETCH
 from ._no_sensor import why_counter
-from ._recording import Channel
 from ._spikes import about_spikes, written
-from ._units import parse_unit
 from ._wording import count, percent, quantity
 
 FEWEST_SAMPLES = 256
 """Below this no noise coefficient can be told from another."""
 
-_GRAVITY = 9.80665
 # The squares of larger and smaller ones leave the range of floating point.
 _LARGEST = 1e100
 _SMALLEST = 1e-100
@@ -157,24 +153,6 @@ def wide(width: float, deviation: float) -> bool:
 def _fresh(samples: Float64[np.ndarray, " usable"]) -> Float64[np.ndarray, " fresh"]:
     """The first of each run of equal values, so that no code fills more than half of them."""
     return samples[np.concatenate([[True], np.diff(samples) != 0])]
-
-
-def about_gravity(channels: Sequence[Channel]) -> tuple[str, ...]:
-    """A finding when three accelerometers measure gravity, but in another unit than the stated."""
-    axes = [channel for channel in channels if channel.kind == "accelerometer"]
-    if len(axes) != 3:
-        return ()
-    felt = np.linalg.norm(
-        [usable(axis.samples, axis.stretches).mean() / axis.factor for axis in axes]
-    )
-    for name in ("m/s^2", "g", "mg"):
-        factor = parse_unit(name).factor
-        if factor != axes[0].factor and abs(felt * factor / _GRAVITY - 1) < 0.05:
-            return (
-                f"The three accelerometers feel {felt:.4g} {axes[0].unit} in all, which would be "
-                f"gravity in {name}: if so, give --unit {name}.",
-            )
-    return ()
 
 
 def _about_lost(

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arrays import table_of
-from ._checks import FEWEST_SAMPLES, about_gravity, about_samples, split, usable, why_useless
+from ._checks import FEWEST_SAMPLES, about_samples, split, usable, why_useless
 from ._copies import about_copies, copies
 from ._formats import read_table
 from ._frozen import frozen
+from ._gravity import about_gravity
 from ._mistakes import about_mistakes
 from ._no_sensor import why_flag
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from ._checks import code_width, usable
+from ._gravity import about_swapped
 from ._recording import Channel
 from ._wording import quantity
 
@@ -36,16 +37,16 @@ _FEWEST = 64
 
 def about_mistakes(channels: Sequence[Channel], rate_hz: float) -> tuple[str, ...]:
     """Findings on channels that are not what they are said to be, or not at rest."""
-    swapped = _about_swapped(channels)
+    swapped = about_swapped(channels)
     moved = _about_motion(channels, rate_hz)
     return (
         *_about_rate(rate_hz),
-        *swapped,
         *(
             finding
             for channel in channels
             for finding in (
                 _about_counts(channel)
+                # The unit of gyros that are accelerometers is not the mistake.
                 or (() if swapped else _about_angle_unit(channel, rate_hz))
                 # The changes of what moved grow like those of a sum.
                 or (() if moved else _about_sums(channel, rate_hz))
@@ -68,32 +69,6 @@ def _about_rate(rate_hz: float) -> tuple[str, ...]:
             "time stamps in s or ms taken for something shorter?",
         )
     return ()
-
-
-def _about_swapped(channels: Sequence[Channel]) -> tuple[str, ...]:
-    """Gravity where rates should be."""
-    gyros = [channel for channel in channels if channel.kind == "gyro"]
-    if len(gyros) != 3 or len({channel.unit for channel in gyros}) != 1:
-        return ()
-    read = _felt(gyros)
-    unit = next((u for u, g in _GRAVITIES.items() if abs(read / g - 1) < 0.03), None)
-    others = [channel for channel in channels if channel.kind == "accelerometer"]
-    weightless = len(others) == 3 and _felt(others) * others[0].factor < 0.2 * _GRAVITIES["m/s^2"]
-    if unit is None or not (weightless or read * gyros[0].factor > 0.5):
-        return ()
-    return (
-        f"The three gyros read {read:.4g} {gyros[0].unit} in all, which would be gravity in "
-        f"{unit}: are the columns of gyros and accelerometers swapped?",
-    )
-
-
-_GRAVITIES = {"m/s^2": 9.80665, "g": 1.0, "mg": 1000.0}
-
-
-def _felt(axes: Sequence[Channel]) -> float:
-    """Length of the mean of three axes, in the unit of the first."""
-    means = [usable(axis.samples, axis.stretches).mean() for axis in axes]
-    return float(np.linalg.norm(means)) / axes[0].factor
 
 
 def _about_counts(channel: Channel) -> tuple[str, ...]:
