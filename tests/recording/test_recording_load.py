@@ -1,6 +1,7 @@
 """`load`: which file, which channels, and what is refused with one clear sentence."""
 
 import dataclasses
+import json
 import os
 import re
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 import allanfit
-from allanfit.recording import RecordingError, load
+from allanfit.recording import RecordingError, load, read_in_blocks
 
 
 def test_the_result_is_plain_and_frozen(archive, noise):
@@ -58,6 +59,54 @@ def test_auxiliary_channels_are_channels_only_when_asked_for(name, archive, nois
     assert asked.auxiliary == ()
     with pytest.raises(RecordingError, match=f"no inertial channel: it holds {name}, which --chan"):
         load(archive(**{name: noise[:, 1]}))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("pressure", "hPa"),
+        ("baro", ""),
+        ("p", "mbar"),
+        ("humidity", "%"),
+        ("rh_1", ""),
+        ("battery", "V"),
+        ("BatteryVoltage", "mV"),
+        ("vbat", ""),
+        ("altitude", "m"),
+        ("gps.alt", "m"),
+        ("light", "lx"),
+    ],
+)
+def test_other_sensors_are_set_aside_and_said(name, unit, archive, noise):
+    units = {"gyro_x": "deg/s"} | ({name: unit} if unit else {})
+    path = archive(**{name: noise[:, 1] + 900, "gyro_x": noise[:, 0]}, units=json.dumps(units))
+    for recording in (load(path), read_in_blocks(path)):
+        assert [channel.name for channel in recording.channels] == ["gyro_x"]
+        told = f"Not analysed, as of other sensors: {name}; --channel asks for one."
+        assert told in recording.findings
+    assert [(each.name, each.unit) for each in load(path).auxiliary] == [(name, unit)]
+    (asked,) = load(path, channels=[name]).channels
+    assert (asked.name, asked.unit, asked.kind) == (name, unit, "other")
+    assert load(path, channels=["gyro_x", name]).findings == load(path, channels=[name]).findings
+
+
+def test_other_sensors_alone_are_the_channels(archive, noise):
+    units = '{"battery_voltage": "V", "pressure": "hPa"}'
+    path = archive(battery_voltage=noise[:, 0], pressure=noise[:, 1], units=units)
+    recording = load(path)
+    assert [channel.name for channel in recording.channels] == ["battery_voltage", "pressure"]
+    assert not any("other sensors" in each for each in recording.findings)
+    assert load(archive(voltage=noise[:, 0]), unit="mV").channels[0].unit == "mV"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("gyro_voltage", "V"), ("acc_alt_x", "g"), ("light", "deg/s"), ("x", "V"), ("salt", "")],
+)
+def test_inertial_sensors_of_such_names_are_channels(name, unit, archive, noise):
+    units = {"gyro_x": "deg/s"} | ({name: unit} if unit else {})
+    path = archive(**{name: noise[:, 1], "gyro_x": noise[:, 0]}, units=json.dumps(units))
+    assert [channel.name for channel in load(path).channels] == [name, "gyro_x"]
 
 
 def test_a_name_that_only_begins_alike_is_a_channel(archive, noise):

@@ -234,8 +234,8 @@ def test_a_scale_factor_is_a_positive_number(given, archive, noise):
 
 
 def test_a_column_in_an_unknown_unit_is_named(archive, noise):
-    units = '{"gyro_x": "deg/s", "pressure": "hPa"}'
-    path = archive(gyro_x=noise[:, 0], pressure=noise[:, 1], rate_hz=100.0, units=units)
-    with pytest.raises(RecordingError, match=r"The column pressure: .*'hPa'.* --channel"):
+    units = '{"gyro_x": "deg/s", "flow": "sccm"}'
+    path = archive(gyro_x=noise[:, 0], flow=noise[:, 1], rate_hz=100.0, units=units)
+    with pytest.raises(RecordingError, match=r"The column flow: .*'sccm'.* --channel"):
         load(path)
     assert load(path, channels="gyro_x").channels[0].name == "gyro_x"

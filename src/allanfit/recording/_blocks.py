@@ -23,6 +23,7 @@ from ._frozen import FrozenBlocks, frozen
 from ._gravity import about_gravity
 from ._lateness import CATCH_UP, about_wrong
 from ._load import (
+    about_beside,
     about_units,
     channel_of,
     check_lengths,
@@ -80,7 +81,7 @@ class Blocks:
         self._stamps, aside, _, self._asked = columns_of(path, first, channels)
         self._first, self._unit = first, unit
         self._units = units_of(self._asked, aside, first, unit)
-        self._findings = dict.fromkeys(first.findings)
+        self._findings = dict.fromkeys((*first.findings, *about_beside(first, aside, self._asked)))
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
         self._wrong: list[int] = []
         self._off_s = 0.0

@@ -18,6 +18,7 @@ from ._frozen import frozen
 from ._gravity import about_gravity
 from ._mistakes import about_mistakes
 from ._no_sensor import why_flag
+from ._other_sensors import about_others, is_field_or_attitude, is_other_sensor
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
@@ -27,9 +28,6 @@ from ._wording import count, left_out
 
 # From a clock compared once a week to what no converter reaches.
 _RATES = (1e-6, 1e9)
-_MAGNETOMETER = re.compile(r"(?:.*_)?mag(?!nitude)", re.IGNORECASE)
-# What a filter made of the sensors, in a message of ROS.
-_ORIENTATION = re.compile(r"(?:.*[./])?orientation[./][xyzw]")
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)|^w[_ ]?[xyz]$", re.IGNORECASE)),
     ("accelerometer", re.compile(r"acc|^a[_ ]?[xyz]$", re.IGNORECASE)),
@@ -55,8 +53,8 @@ def load(
         with the extra `io` also `.parquet`, `.mat`, `.h5`, `.hdf5`, a ROS 1 or 2 bag, `.mcap` or
         PX4's `.ulg`. A column named `time`, `time_s`, `timestamp` or `t` holds time stamps.
     - `rate_hz`: samples a second. Without it the file's own is used, or else the time stamps'.
-    - `channels`: names of the channels to analyse. Without it all are but temperatures,
-        magnetometers and time stamps.
+    - `channels`: names of the channels to analyse. Without it all are but time stamps and those of
+        other sensors: temperatures, magnetometers, pressures, batteries and the like.
     - `unit`: the unit of the channels, `deg/s` for instance, in place of the file's. It applies
         to channels that have none or one of the same kind. Units of two kinds have a comma between
         them, `deg/s, g`; raw codes a scale factor before the unit, `1/131 deg/s`.
@@ -169,7 +167,8 @@ def _recording(
         raise RecordingError(f"{path.name} has no channel to analyse. {left_out(useless_for)[-1]}")
     auxiliary, doubts = _auxiliary(table, aside, warm, asked, clock)
     said = about_units({channel.name: units[channel.name] for channel in kept}, table, unit)
-    findings = [*table.findings, *clock.findings, *said, *left_out(useless_for), *doubts]
+    beside = about_beside(table, aside, asked)
+    findings = [*table.findings, *clock.findings, *said, *left_out(useless_for), *beside, *doubts]
     digest = hashlib.sha256()
     for channel in (*kept, *(each for each in auxiliary if each.kind == "temperature")):
         digest.update(channel.samples.data)
@@ -216,16 +215,33 @@ def columns_of(
     warm = {name for name in table.columns if is_temperature(name, table.unit(name), table)}
     times = [name for name in time_columns(table.columns, table.units) if name not in warm]
     names = [name for name in table.columns if name not in times]
-    beside = [name for name in names if _MAGNETOMETER.match(name) or _ORIENTATION.fullmatch(name)]
-    aside = {*(name for name in names if name in warm), *beside}
-    return next(iter(times), None), aside, warm, _asked(path, names, aside, channels)
+    aside = {name for name in names if name in warm or is_field_or_attitude(name)}
+    others = [name for name in names if name not in aside and _is_other_sensor(name, table)]
+    asked = _asked(path, names, aside, others, channels)
+    aside |= {name for name in others if name not in asked}
+    return next(iter(times), None), aside, warm, asked
+
+
+def _is_other_sensor(name: str, table: Table) -> bool:
+    return _kind_by_name(name) is None and is_other_sensor(name, table.unit(name))
+
+
+def about_beside(table: Table, aside: set[str], asked: list[str]) -> tuple[str, ...]:
+    """A finding on columns that are set aside, where it may surprise."""
+    left = (name for name in table.columns if name in aside and name not in asked)
+    return about_others(name for name in left if _is_other_sensor(name, table))
 
 
 def _asked(
-    path: Path, names: list[str], aside: set[str], channels: Sequence[str] | None
+    path: Path,
+    names: list[str],
+    aside: set[str],
+    others: list[str],
+    channels: Sequence[str] | None,
 ) -> list[str]:
     if not channels:
-        chosen = [name for name in names if name not in aside]
+        # Where there is nothing else, they are what was recorded.
+        chosen = [name for name in names if name not in (*aside, *others)] or others
         if not chosen:
             there = f": it holds {', '.join(names)}, which --channel can ask for" if names else ""
             raise RecordingError(f"{path.name} has no inertial channel{there}.")
@@ -311,6 +327,8 @@ def _unit(name: str, stated: str, given: list[Unit], names: list[str]) -> Unit:
     try:
         unit = parse_unit(stated or unit_in_name(name))
     except RecordingError as error:
+        if is_other_sensor(name, stated):
+            return Unit(stated, si_unit=stated)
         if not given:
             what = f"The column {name}: {error} Or say with --channel which columns to analyse."
             raise RecordingError(what) from error
