@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from ._channel_units import about_units, units_of, why_state
 from ._checks import (
     FEWEST_SAMPLES,
     about_samples,
@@ -24,14 +25,11 @@ from ._gravity import about_gravity
 from ._lateness import CATCH_UP, about_wrong
 from ._load import (
     about_beside,
-    about_units,
     channel_of,
     check_lengths,
     check_rate,
     clock_of,
     columns_of,
-    units_of,
-    why_state,
 )
 from ._mistakes import about_mistakes
 from ._recording import Channel, Progress, RecordingError, Table

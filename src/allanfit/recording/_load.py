@@ -2,8 +2,7 @@
 
 import hashlib
 import os
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,29 +10,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arrays import table_of
+from ._channel_units import about_units, is_beside, units_of, why_state
 from ._checks import FEWEST_SAMPLES, about_samples, split, usable, why_useless
 from ._copies import about_copies, copies
 from ._formats import read_table
 from ._frozen import frozen
 from ._gravity import about_gravity
 from ._mistakes import about_mistakes
-from ._no_sensor import why_flag
-from ._other_sensors import about_others, is_field_or_attitude, is_other_sensor
+from ._other_sensors import about_others, is_field_or_attitude
 from ._recording import Channel, NoRateError, Progress, Recording, RecordingError, Table
 from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
-from ._unit_endings import unit_in_name
-from ._units import Unit, parse_given, parse_unit
+from ._units import Unit
 from ._wording import count, left_out
 
 # From a clock compared once a week to what no converter reaches.
 _RATES = (1e-6, 1e9)
-_KIND_BY_NAME = (
-    ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)|^w[_ ]?[xyz]$", re.IGNORECASE)),
-    ("accelerometer", re.compile(r"acc|^a[_ ]?[xyz]$", re.IGNORECASE)),
-)
-# Beside `ax` a gyro; alone perhaps gravity.
-_RATE_OR_GRAVITY = re.compile(r"g([_ ]?[xyz])", re.IGNORECASE)
 
 
 def load(
@@ -216,20 +208,16 @@ def columns_of(
     times = [name for name in time_columns(table.columns, table.units) if name not in warm]
     names = [name for name in table.columns if name not in times]
     aside = {name for name in names if name in warm or is_field_or_attitude(name)}
-    others = [name for name in names if name not in aside and _is_other_sensor(name, table)]
+    others = [name for name in names if name not in aside and is_beside(name, table)]
     asked = _asked(path, names, aside, others, channels)
     aside |= {name for name in others if name not in asked}
     return next(iter(times), None), aside, warm, asked
 
 
-def _is_other_sensor(name: str, table: Table) -> bool:
-    return _kind_by_name(name) is None and is_other_sensor(name, table.unit(name))
-
-
 def about_beside(table: Table, aside: set[str], asked: list[str]) -> tuple[str, ...]:
     """A finding on columns that are set aside, where it may surprise."""
     left = (name for name in table.columns if name in aside and name not in asked)
-    return about_others(name for name in left if _is_other_sensor(name, table))
+    return about_others(name for name in left if is_beside(name, table))
 
 
 def _asked(
@@ -298,83 +286,6 @@ def clock_of(
             raise RecordingError(f"{path.name}: {error} Give the rate with --rate.") from error
         return Clock(rate_hz, (), (f"{error} Gaps, if there are any, are not seen.",))
     return clock if rate_hz is None else replace(clock, rate_hz=rate_hz)
-
-
-def units_of(
-    names: list[str], aside: set[str], table: Table, override: str | None
-) -> dict[str, Unit]:
-    """The unit of each channel, `override` put in place where it fits."""
-    given = [] if override is None else parse_given(override)
-    units = {
-        name: Unit(table.unit(name), si_unit=table.unit(name))
-        if name in aside
-        else _unit(name, table.units.get(name, ""), given, names)
-        for name in names
-    }
-    for each in given:
-        if each not in units.values():
-            raise RecordingError(
-                f"The unit {each.name} fits none of the channels: "
-                + ", ".join(
-                    f"{name} is in {unit.name or 'no unit'}" for name, unit in units.items()
-                )
-                + "."
-            )
-    return units
-
-
-def _unit(name: str, stated: str, given: list[Unit], names: list[str]) -> Unit:
-    try:
-        unit = parse_unit(stated or unit_in_name(name))
-    except RecordingError as error:
-        if is_other_sensor(name, stated):
-            return Unit(stated, si_unit=stated)
-        if not given:
-            what = f"The column {name}: {error} Or say with --channel which columns to analyse."
-            raise RecordingError(what) from error
-        unit, stated = Unit(""), ""
-    measured = None if unit.kind == "other" else unit.kind
-    kind = unit.kind if stated else _kind_by_name(name, names) or measured
-    fitting = (
-        each for each in given if kind in (None, each.kind) or (each.kind == "other" and not stated)
-    )
-    return next(fitting, unit)
-
-
-def _kind_by_name(name: str, names: Iterable[str] = ()) -> str | None:
-    rate = _RATE_OR_GRAVITY.fullmatch(name)
-    if rate and f"a{rate[1]}".casefold() in map(str.casefold, names):
-        return "gyro"
-    return next((kind for kind, pattern in _KIND_BY_NAME if pattern.search(name)), None)
-
-
-def why_state(name: str, samples: np.ndarray, unit: Unit, wanted: bool) -> str:
-    """Why a channel is a flag, "" if nothing says so or if something says that it is a sensor."""
-    sensor = wanted or unit.kind != "other" or _kind_by_name(name) is not None
-    return "" if sensor else why_flag(samples)
-
-
-def about_units(units: dict[str, Unit], table: Table, override: str | None) -> list[str]:
-    """Findings on units that are missing, in names, or do not go with the name of their channel."""
-    findings, ends = [], {}
-    given = [each.name for each in parse_given(override)] if override else []
-    for name, unit in units.items():
-        if not table.units.get(name) and unit.name not in ("", *given):
-            ends[unit.name] = [*ends.get(unit.name, []), name]
-    if ends:
-        told = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in ends.items())
-        findings.append(f"Units are taken from the names: {told}.")
-    bare = [name for name, unit in units.items() if not unit.name]
-    if bare:
-        findings.append(
-            f"No unit is known for {', '.join(bare)}: results are in the unit of the samples; "
-            "give one, as in --unit deg/s or --unit m/s^2, for those of a data sheet."
-        )
-    for name, unit in units.items():
-        expected = _kind_by_name(name, units)
-        if unit.kind != "other" and expected not in (None, unit.kind):
-            findings.append(f"The unit {unit.name} of {name} is not one of a {expected}.")
-    return findings
 
 
 def channel_of(
