@@ -35,6 +35,44 @@ def test_list_says_what_is_inside(two, capsys):
     assert err == ""
 
 
+def test_list_takes_the_rate_and_the_unit_given(two, capsys):
+    assert main(["fit", str(two), "--list", "--rate", "200", "--unit", "rad/s"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "imu0, 400 samples, 200 Hz",
+        "  gyro_x  rad/s",
+        "imu1, 300 samples, 200 Hz",
+        "  gyro_x  rad/s",
+    ]
+
+
+def test_list_gives_a_unit_to_what_it_fits_alone(tmp_path, capsys):
+    path = tmp_path / "imu.csv"
+    rows = [f"{k / 100},{k % 7},{k % 5},20,{k % 3}" for k in range(400)]
+    path.write_text("time,gyro_x,accel_x [g],temperature,battery\n" + "\n".join(rows))
+    assert main(["fit", str(path), "--list", "--unit", "deg/s"]) == 0
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        "  gyro_x       deg/s",
+        "  accel_x      g",
+        "  temperature  -",
+        "  battery      -",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (["--rate", "-1"], "the rate given is -1"),
+        (["--unit", "parsec"], "The unit 'parsec' is not known"),
+        (["--unit", "g"], "The unit g fits none of the channels: gyro_x is in deg/s"),
+    ],
+)
+def test_list_refuses_what_fit_would(option, message, two, capsys):
+    assert main(["fit", str(two), "--list", *option]) == 1
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert message in err
+
+
 def test_list_sends_no_control_characters_to_the_terminal(monkeypatch, tmp_path, capsys):
     hostile = "a\x1b[31m\n"
     topic = Topic(name=hostile, kind=hostile, samples=1, rate_hz=1.0, units={hostile: hostile})

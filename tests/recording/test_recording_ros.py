@@ -32,7 +32,7 @@ EXTENSION = {"bag": "still.bag", "sqlite3": "still", "mcap": "still"}
 def rows() -> np.ndarray:
     """Gyros and accelerometers at rest."""
     noise = 0.01 * np.random.default_rng(3).standard_normal((400, 6))
-    return noise + [0, 0, 0, 0, 0, 9.81]
+    return noise + np.array([0, 0, 0, 0, 0, 9.81])
 
 
 def of_imu(kind, rows, topic="/imu/data", frame="imu_link", stamps=None):

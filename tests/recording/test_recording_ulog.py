@@ -26,7 +26,7 @@ AXES = [f"{name}_{axis}" for name in ("gyro", "accel") for axis in "xyz"]
 def rows() -> np.ndarray:
     """Gyros and accelerometers at rest."""
     noise = 0.01 * np.random.default_rng(6).standard_normal((400, 6))
-    return (noise + [0, 0, 0, 0, 0, 9.81]).astype(np.float32).astype(float)
+    return (noise + np.array([0, 0, 0, 0, 0, 9.81])).astype(np.float32).astype(float)
 
 
 def combined(rows):

@@ -30,6 +30,7 @@ from ..formatting import printable
 from ..identify import RecordingFit, fit_file, fit_recording
 from ..plan import parse_want, plan_file, plan_text
 from ..recording import contents, save
+from ..recording._given import as_given
 from ..report import format_text, refuse_other_figures, write_json, write_page
 from ..simulate import simulate as simulate_series
 from ._calibrate import calibrate_app
@@ -127,7 +128,7 @@ def fit(
     Example: allanfit fit gyro.csv --rate 100 --unit deg/s --report gyro.html
     """
     if list_contents:
-        typer.echo(contents_text(contents(recording)))
+        typer.echo(contents_text(as_given(contents(recording), rate, unit)))
         return
     if figure is not None:
         refuse_other_figures(figure)
