@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from ..curves import allan_variance
 from ..identify import Fit
@@ -12,10 +13,13 @@ from ._state import Investigation
 from .courses._course import fallen
 from .spectrum._density import effects_density
 from .spectrum._model import mean_density
+from .spectrum._narrow import beside, density_of, narrow_noises
 from .values._clock import logged_density
 
 _BLOCKS = 360
 _LINE_POINTS = 161
+# Frequencies within what a point of these stands for.
+_WITHIN = 8
 _GRID = 24_000
 
 
@@ -209,11 +213,10 @@ def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict
         count = (high - low) // group
         shown = power[low : low + count * group].reshape(count, group).mean(axis=1)
         frequency = (low + (np.arange(count) + 0.5) * group - 0.5) * spacing
-        model = np.interp(
-            frequency * dt,
-            state.data.bins.frequency[state.data.bins.used],
-            mean_density(state.model, state.data)[state.data.bins.used] * dt,
-        )
+        # Of each point as of the record: the mean over all that it stands for.
+        fine = low - 0.5 + (np.arange(count * _WITHIN) + 0.5) * group / _WITHIN
+        model = _at_full_resolution(state, fine * spacing * dt) * dt
+        model = model.reshape(count, _WITHIN).mean(axis=1)
         if effect.name == "sinusoid":
             # A Hann window spreads a line over four ordinates.
             peak = effect.value("amplitude") ** 2 / 2 / (1.5 * spacing)
@@ -229,3 +232,15 @@ def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict
             }
         )
     return found
+
+
+def _at_full_resolution(
+    state: Investigation, frequency: Float[np.ndarray, " frequencies"]
+) -> Float[np.ndarray, " frequencies"]:
+    """What the model expects of single ordinates [u^2], at frequencies in cycles per sample.
+
+    What is smooth is known from the bins, which a line or a resonance may be narrower than.
+    """
+    narrow = narrow_noises(state.model, float(state.data.samples))
+    smooth = beside(state, narrow, frequency)
+    return smooth + density_of(state, narrow, frequency) if narrow else smooth
