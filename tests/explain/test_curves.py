@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from allanfit.explain._curves import _lines
+from allanfit.explain._curves import _labels, _lines
 from allanfit.explain._effect import Effect
 from allanfit.explain._state import begin
 from allanfit.explain.spectrum._model import Model
@@ -54,3 +54,23 @@ def test_close_to_a_line_the_model_is_as_narrow_as_it_is(noise, second, half):
     np.testing.assert_allclose(line["model"], expected, rtol=0.02)
     peak = frequency[np.argmax(line["model"])]
     assert peak == pytest.approx(11.3, abs=1 / 600)
+
+
+def test_noises_of_one_name_are_counted_by_themselves_the_strongest_first():
+    """As many of another name are between them; a line of amplitude A has the power A^2/2."""
+    state = state_of(np.random.default_rng(4).standard_normal(2_000), "resonance", 1.0, 0.1, 9.0)
+    names = ("drifting_line", "resonance", "drifting_line", "resonance", "gauss_markov")
+    logs = 2 * np.log([0.1, 0.2, 0.3, 0.25, 0.5])
+    threes = np.column_stack([logs, np.zeros((5, 2))])
+    theta = np.concatenate([state.model.theta[:4], threes.ravel()])
+    state.model = Model(Kinds(None, names), theta, 0.0)
+    assert _labels(state, []) == [
+        "drifting_line 2",
+        "resonance 2",
+        "drifting_line",
+        "resonance",
+        "gauss_markov",
+    ]
+    # One resonance is a line that wanders, and weaker than 0.3/sqrt(2).
+    state.wandering = {1}
+    assert _labels(state, [])[:3] == ["drifting_line 3", "drifting_line 2", "drifting_line"]

@@ -1,5 +1,6 @@
 """Both curves, the course in time and the lines, before and after, as plain data."""
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from .courses._course import fallen
 from .spectrum._density import effects_density
 from .spectrum._model import mean_density
 from .spectrum._narrow import beside, density_of, narrow_noises
+from .spectrum._structure import EACH, NARROW
 from .values._clock import logged_density
 
 _BLOCKS = 360
@@ -64,9 +66,14 @@ def explained_curves(
 
 
 def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
-    """Names of the added noises, each its own."""
-    labels: list[str] = []
-    for place, name in enumerate(state.model.kinds.added):
+    """Names of the added noises, each its own: of one name the strongest has no number."""
+    kinds, names, powers = state.model.kinds, [], []
+    for place, kind in enumerate(kinds.added):
+        name, power = kind, 0.0
+        if kind in NARROW:
+            # As effects are listed; twice the power of a line is the square of its amplitude.
+            power = float(state.model.theta[kinds.first_slot + EACH * place])
+            power -= np.log(2) if kind == "drifting_line" else 0.0
         if place in state.wandering:
             name = "drifting_line"
         elif place in state.disowned_noises:
@@ -81,7 +88,14 @@ def _labels(state: Investigation, effects: list[Effect]) -> list[str]:
             ),
             name,
         )
-        labels.append(shown if shown not in labels else f"{shown} {len(labels) + 1}")
+        names.append(shown)
+        powers.append(power)
+    labels, told = names.copy(), Counter[str]()
+    for place in sorted(range(len(names)), key=lambda place: -powers[place]):
+        name = names[place]
+        told[name] += 1
+        if told[name] > 1:
+            labels[place] = f"{name} {told[name]}"
     return labels
 
 
