@@ -154,6 +154,19 @@ def test_a_curve_has_both_models_its_effects_and_shaded_bands(explanation):
     assert len(lower.patches) == 2
 
 
+@pytest.mark.parametrize("kind", ["allan", "psd"])
+def test_the_legend_hides_nothing_of_the_recording(explanation, kind):
+    for channel in explanation["channels"]:
+        upper = draw_curve(channel, kind).axes[0]
+        curve = load_explained(channel, kind)
+        points = np.column_stack([np.tile(curve.x, 3), [*curve.data, *curve.low, *curve.high]])
+        assert (
+            not upper.get_legend()
+            .get_window_extent()
+            .count_contains(upper.transData.transform(points))
+        )
+
+
 @pytest.mark.parametrize(("kind", "power"), [("allan", 2), ("psd", 1)])
 def test_the_parts_of_one_line_are_one_curve(explanation, kind, power):
     channel = explanation["channels"][0]

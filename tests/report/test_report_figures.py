@@ -59,6 +59,36 @@ def test_a_term_below_the_figure_is_not_in_its_legend(document):
         assert any("rate random walk" in each.get("name", "") for each in traces) == there
 
 
+def in_sight(axes, box, points) -> bool:
+    """Whether none of some points of the data is behind a box [pixels]."""
+    across, along = axes.transData.transform(points).T
+    inside = (across > box.x0) & (across < box.x1) & (along > box.y0) & (along < box.y1)
+    return not inside.any()
+
+
+@pytest.mark.parametrize("kind", ["allan", "psd"])
+@pytest.mark.parametrize("channel", [0, 1, 2])
+def test_legend_and_letters_hide_neither_points_nor_bars(document, channel, kind):
+    """Also where names are long: four terms, two of them not resolved."""
+    shown = document["channels"][channel]
+    for symbol in "BK":
+        shown["coefficients"][symbol]["resolved"] = False
+    axes = figure(shown).axes[kind == "psd"]
+    x_key, y_key = {"allan": ("tau_s", "deviation"), "psd": ("frequency_hz", "density")}[kind]
+    curve = shown["curves"][kind]
+    points = np.column_stack([curve[x_key], curve[y_key]])
+    low, high = (np.column_stack([curve[x_key], each]) for each in curve["band_95"])
+    bars = np.concatenate([low ** (1 - part) * high**part for part in np.linspace(0, 1, 99)])
+    box = axes.get_legend().get_window_extent()
+    assert in_sight(axes, box, np.concatenate([points, bars]))
+    assert axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1
+    assert axes.bbox.y0 < box.y0 < box.y1 < axes.bbox.y1
+    axes.figure.canvas.draw()
+    for letter in axes.texts:
+        assert in_sight(axes, letter.get_bbox_patch().get_window_extent(), points)
+        assert not box.overlaps(letter.get_window_extent())
+
+
 def test_residuals_leave_the_band_where_the_interval_misses_the_model(document):
     curve = document["channels"][0]["curves"]["psd"]
     curve["model"][10] = 1.01 * curve["band_95"][1][10]

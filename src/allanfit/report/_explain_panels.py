@@ -12,6 +12,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from ._explain_words import label
+from ._legend import place_legend
 from ._panels import (
     BAND_COLOUR,
     BAR_COLOUR,
@@ -157,11 +158,7 @@ def draw_curve(channel: Mapping[str, Any], kind: str) -> Figure:
             line = upper.plot(x, shown, color=colour, linestyle=":", linewidth=1.4)
             handles[name] = line[0]
         upper.set_ylim(along)
-        # A pale ground: where there is no empty corner, the bars of the data lie behind it.
-        frame = {"frameon": True, "framealpha": 0.75, "edgecolor": "none"}
-        legend = upper.legend(list(handles.values()), list(handles), loc="best", **frame)
-        for text in legend.get_texts():
-            text.set_parse_math(False)
+        place_legend(upper, handles, (bars, *upper.lines))
         _draw_ratio(lower, curve)
         domain = "tau" if kind == "allan" else "frequency"
         shade(channel, domain, (upper, lower))

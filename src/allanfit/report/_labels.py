@@ -3,12 +3,17 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from jaxtyping import Float
 from matplotlib.axes import Axes
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+
+from ._legend import Drawn, seen
 
 _MARGIN = 0.05  # in fractions of the axes: letters keep clear of the frame
 _FAR_ENOUGH = 0.12  # beyond this distance, more of it makes a place no better
 _TOO_CLOSE = 0.02  # the line runs along another, which the letter would hide
+_COVERED = 0.04  # from the middle of a letter to what its ground leaves in sight
 _STEPS = 200
 
 
@@ -26,28 +31,41 @@ def _path(axes: Axes, line: Line2D) -> np.ndarray:
 
 def _distance(places: np.ndarray, others: np.ndarray) -> np.ndarray:
     """From each place to the nearest of the others."""
+    if not len(others):
+        return np.ones(len(places))
     return np.linalg.norm(places[:, None] - others[None], axis=-1).min(axis=1)
 
 
-def label_lines(axes: Axes, lines: Mapping[str, Line2D], obstacles: Sequence[Line2D]) -> None:
+def label_lines(
+    axes: Axes,
+    lines: Mapping[str, Line2D],
+    obstacles: Sequence[Drawn],
+    bars: Drawn,
+    legend: Legend,
+) -> None:
     """Write each line's name on the line, clear of the other lines, the obstacles and the frame.
 
-    The axes must have their limits, from which distances follow. A line that is
+    Where it would hide any of them or of the `bars` on all of the line, it stands beside it. The
+    axes must have their limits and their `legend`, from which distances follow. A line that is
     outside the frame, or everywhere close to another, gets no name.
     """
     paths = {name: _path(axes, line) for name, line in lines.items()}
-    taken = [_path(axes, line) for line in obstacles]
+    points, hidden = seen(axes, obstacles), [seen(axes, [bars]), _ground(axes, legend)]
     for name, path in paths.items():
-        inside = path[((path > _MARGIN) & (path < 1 - _MARGIN)).all(axis=1)]
-        if not len(inside):
+        on = _clear_of_frame(path)
+        curves = [points, *(other for rival, other in paths.items() if rival != name)]
+        if not len(on) or _distance(on, np.concatenate(curves)).max() < _TOO_CLOSE:
             continue
-        rivals = [other for rival, other in paths.items() if rival != name]
-        blocks = [block for block in (*rivals, *taken) if len(block)]
-        room = _distance(inside, np.concatenate(blocks)) if blocks else np.ones(len(inside))
-        if room.max() < _TOO_CLOSE:
-            continue
-        place = inside[np.argmax(np.minimum(room, _FAR_ENOUGH))]
-        taken.append(place[None])
+        others = np.concatenate([*curves, *hidden])
+        room = np.minimum(_distance(on, others), _FAR_ENOUGH)
+        place = on[np.argmax(room)]
+        if room.max() < _COVERED:
+            below, above = (np.add(path, (0.0, shift)) for shift in (-_COVERED, _COVERED))
+            near = _clear_of_frame(np.concatenate([below, above]))
+            clear = _distance(near, np.concatenate([others, path]))
+            if clear.size and clear.max() > room.max():
+                place = near[np.argmax(clear)]
+        hidden.append(place[None])
         axes.text(
             place[0],
             place[1],
@@ -60,3 +78,17 @@ def label_lines(axes: Axes, lines: Mapping[str, Line2D], obstacles: Sequence[Lin
             bbox={"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": "none"},
             zorder=4,
         )
+
+
+def _clear_of_frame(path: Float[np.ndarray, "points 2"]) -> Float[np.ndarray, "inside 2"]:
+    """Places that are clear of the frame."""
+    return path[((path > _MARGIN) & (path < 1 - _MARGIN)).all(axis=1)]
+
+
+def _ground(axes: Axes, legend: Legend) -> Float[np.ndarray, "points 2"]:
+    """The ground of a legend, as points in fractions of the axes."""
+    box = legend.get_window_extent().transformed(axes.transAxes.inverted())
+    across, along = (
+        np.arange(low, high, _TOO_CLOSE) for low, high in (box.intervalx, box.intervaly)
+    )
+    return np.stack(np.meshgrid(across, along), axis=-1).reshape(-1, 2)

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 
 from ..formatting import Number
 from ._labels import label_lines
+from ._legend import place_legend
 from ._units import squared_per_hertz, typeset
 
 # Okabe and Ito's palette, which people with any common colour blindness tell apart. Terms that
@@ -205,14 +206,12 @@ def _draw_curve(axes: Axes, curve: Curve, coefficients: Mapping[str, Any]) -> No
             linestyle="--" if coefficients[name]["resolved"] else ":",
             zorder=2.5,
         )
-    label_lines(axes, lines, obstacles=(points, fit))
     handles = {"data, 95 % interval": (bars, points), "fit": fit}
     for name, line in lines.items():
         doubt = "" if coefficients[name]["resolved"] else " (not resolved)"
         handles[f"{name}  {coefficients[name]['name']}{doubt}"] = line
-    # A pale ground: where there is no empty corner, the bars of the data lie behind it.
-    frame = {"frameon": True, "framealpha": 0.75, "edgecolor": "none"}
-    axes.legend(list(handles.values()), list(handles), loc="best", **frame)
+    legend = place_legend(axes, handles, (points, bars, fit, *lines.values()))
+    label_lines(axes, lines, (points, fit), bars, legend)
 
 
 def curve_limits(curve: Curve) -> tuple[tuple[float, float], tuple[float, float]]:
