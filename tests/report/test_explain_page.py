@@ -1,8 +1,9 @@
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from explanation_documents import make_explanation
+from explanation_documents import make_explanation, mismatch
 from test_report_page import OURS, Page, scripts
 
 from allanfit.report import ReportError, write_explanation
@@ -152,6 +153,46 @@ def test_a_curve_has_both_models_its_effects_and_shaded_bands(explanation):
     assert line.get_width() == pytest.approx(0.012)
     assert hump.get_width() > 0.1
     assert len(lower.patches) == 2
+
+
+@pytest.mark.parametrize(
+    "spans",
+    [
+        # Three lines, two of them close, in a band whose middle has one of them.
+        [(4.77, 4.80), (3.56, 42.4), (3.34, 3.345), (12.25, 12.35)],
+        [(19.81, 20.11), (20.53, 20.62)],
+        [(0.01, 40.0), (0.01, 40.0), (0.01, 40.0)],
+        [(0.16 + 1e-4 * k, 0.16005 + 1e-4 * k) for k in range(14)],
+    ],
+    ids=["lines in a band", "two lines", "one band three times", "many lines"],
+)
+def test_each_difference_has_its_number_where_it_is(explanation, spans):
+    channel = explanation["channels"][0]
+    channel["mismatch"] = [mismatch("frequency", *each, 2.0, 1e-9, "") for each in spans]
+    sheet = draw_curve(channel, "psd")
+    axes = sheet.axes[0]
+    numbers = {int(text.get_text()): text for text in axes.texts}
+    assert list(numbers) == list(range(1, len(spans) + 1))
+    boxes = [text.get_window_extent() for text in axes.texts]
+    boxes.sort(key=lambda box: box.x0)
+    if len(spans) < 10:
+        assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+    # Never farther from one's own than half of all numbers take.
+    own = axes.transAxes.inverted()
+    ends = {
+        n: own.transform(axes.transData.transform([(f, 1.0) for f in each]))[:, 0]
+        for n, each in enumerate(spans, start=1)
+    }
+    room = 0.006 + sum(0.02 + 0.025 * len(str(number)) for number in numbers) / 2
+    for number, (low, high) in ends.items():
+        x = numbers[number].get_position()[0]
+        assert low - room < x < high + room
+    if spans[0] == (4.77, 4.80):
+        places = {number: text.get_position()[0] for number, text in numbers.items()}
+        # That of the band is in the band, and over none of the lines.
+        assert ends[2][0] < places[2] < ends[2][1]
+        assert min(abs(places[2] - ends[line].mean()) for line in (1, 3, 4)) > 0.015
+        assert places[3] < places[1] < places[4]
 
 
 @pytest.mark.parametrize("kind", ["allan", "psd"])

@@ -35,7 +35,7 @@ def explained_figure(channel: Mapping[str, Any], kind: str) -> dict[str, Any] | 
     scale = {"type": "linear"} if ratio_is_linear(low, high) else fine
     labels = (curve.x_label, curve.y_label, "recording / model")
     sheet = layout(labels, across, along, share=0.34, **scale)
-    sheet["shapes"] = [_unity(), *_shades(channel, kind, across)]
+    sheet |= _shades(channel, kind, across)
     data = {"name": "recording, 95 % interval", "legendgroup": "data"}
     traces = [
         *_band(curve),
@@ -73,12 +73,13 @@ def _unity() -> dict[str, Any]:
 
 def _shades(
     channel: Mapping[str, Any], kind: str, across: tuple[float, float]
-) -> list[dict[str, Any]]:
-    """Where recording and model differ, over both panels, with the numbers of the table."""
+) -> dict[str, list[dict[str, Any]]]:
+    """Where recording and model differ, over both panels, and the numbers of the table."""
     left, right = across
     growth = right / left
     domain = "tau" if kind == "allan" else "frequency"
-    return [
+    found = bands(channel, domain, lambda x: np.log(x / left) / np.log(growth), across)
+    shapes = [
         {
             "xref": "x",
             "yref": "paper",
@@ -89,10 +90,24 @@ def _shades(
             "fillcolor": "rgba(240, 228, 66, 0.4)",
             "line": {"width": 0},
             "layer": "below",
-            "label": {"text": band.label, "textposition": "top center", "font": {"weight": "bold"}},
         }
-        for band in bands(channel, domain, lambda x: np.log(x / left) / np.log(growth), across)
+        for band in found
     ]
+    numbered = [
+        {
+            "text": band.label,
+            "xref": "x",
+            "yref": "paper",
+            # On a logarithmic axis an annotation stands at a logarithm.
+            "x": np.log10(left * growth**band.place),
+            "y": 1,
+            "yanchor": "top",
+            "showarrow": False,
+            "font": {"weight": "bold"},
+        }
+        for band in found
+    ]
+    return {"shapes": [_unity(), *shapes], "annotations": numbered}
 
 
 def _band(curve: ExplainedCurve) -> list[dict[str, Any]]:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullFormatter, NullLocator
+from scipy.optimize import isotonic_regression
 
 from ._explain_words import label
 from ._legend import place_legend
@@ -40,7 +41,8 @@ _NARROWEST = 0.012  # of a shaded band, in widths of the axes: a line in a spect
 # sin^4(pi f tau)/(pi f tau)^2 has its maximum.
 _FELT = 0.371
 _SEEN_AT = {"tau": ("frequency",)}
-_NUMBER_APART = 0.045  # two numbers closer than this would overlap
+# Widths of the axes that a digit of a number takes, and that tell a number from the next.
+_DIGIT, _APART = 0.025, 0.02
 _LARGEST_LINEAR_RATIO = 2.5
 LARGEST_FINE_RATIO = 60.0
 
@@ -209,11 +211,12 @@ def _scale_ratio(axes: Axes, low: float, high: float) -> None:
 
 
 class Band(NamedTuple):
-    """A stretch of mismatch, in widths of the axes, and its number in the list or ""."""
+    """A stretch of mismatch and where its number in the list stands, in widths of the axes."""
 
     start: float
     stop: float
     label: str
+    place: float
 
 
 def bands(
@@ -228,10 +231,9 @@ def bands(
     What differs in frequency does so at the averaging times that feel it most, too.
 
     **Arguments**: `across` turns places along the axes, which end at `limits`, into widths of
-    the axes; `unit` is the size of their unit. A number that would hide another is left out.
+    the axes; `unit` is the size of their unit.
     """
-    found: list[Band] = []
-    taken: list[float] = []
+    found: dict[str, tuple[float, float]] = {}
     for number, entry in enumerate(channel["mismatch"], start=1):
         if entry["domain"] not in (domain, *_SEEN_AT.get(domain, ())):
             continue
@@ -242,11 +244,33 @@ def bands(
         low, high = across(ends).tolist()
         middle = (low + high) / 2
         half = max((high - low) / 2, _NARROWEST / 2)
-        free = all(abs(middle - other) > _NUMBER_APART for other in taken)
-        if free:
-            taken.append(middle)
-        found.append(Band(middle - half, middle + half, str(number) if free else ""))
-    return found
+        found[str(number)] = middle - half, middle + half
+    places = _places(found)
+    return [Band(*span, number, places[number]) for number, span in found.items()]
+
+
+def _places(spans: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """Where the numbers of such spans stand: each in the middle of its own, if that is free.
+
+    In a span that holds others it stands where none of these is, as near to the middle. Numbers
+    that would overlap move apart, in their order, by as little as it takes.
+    """
+    wanted = {}
+    for number, (start, stop) in spans.items():
+        at = np.linspace(start, stop, 201)
+        for low, high in spans.values():
+            if high - low < stop - start:
+                at = at[(at < low - _DIGIT / 2) | (at > high + _DIGIT / 2)]
+        middle = (start + stop) / 2
+        wanted[number] = float(at[np.argmin(np.abs(at - middle))]) if at.size else middle
+    order = sorted(wanted, key=lambda number: wanted[number])
+    widths = np.array([_DIGIT * len(number) + _APART for number in order])
+    widths *= min(1.0, 1 / max(widths.sum(), _DIGIT))
+    offset = np.cumsum(widths) - widths / 2
+    # Where none overlap, places less their offsets never fall: least squares move them the least.
+    free = isotonic_regression([wanted[number] for number in order] - offset).x
+    moved = np.clip(free, 0.0, 1 - widths.sum()) + offset
+    return dict(zip(order, moved.tolist(), strict=True))
 
 
 def shade(
@@ -267,7 +291,7 @@ def shade(
         for axes in panels:
             axes.add_patch(Rectangle(**place, transform=axes.transAxes, zorder=1.5, **SHADE))
         upper.text(
-            (band.start + band.stop) / 2,
+            band.place,
             1.01,
             band.label,
             transform=upper.transAxes,
