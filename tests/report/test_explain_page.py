@@ -155,6 +155,19 @@ def test_a_curve_has_both_models_its_effects_and_shaded_bands(explanation):
     assert len(lower.patches) == 2
 
 
+@pytest.mark.parametrize(("share", "named"), [(0.06, True), (0.02, False)])
+def test_a_weak_effect_is_in_sight(explanation, share, named):
+    """Of the lowest density a sixteenth, which is as much as a line in one bin has; or less."""
+    channel = explanation["channels"][0]
+    curve = channel["curves"]["psd"]
+    lowest = min(*curve["density"], *curve["model_before"], *curve["model_after"])
+    size = len(curve["density"])
+    curve["effects"]["resonance"] = [0.0] * (size - 1) + [share * lowest]
+    upper = draw_curve(channel, "psd").axes[0]
+    assert ("resonance" in legend(upper)) == named
+    assert (upper.get_ylim()[0] < share * lowest) == named
+
+
 @pytest.mark.parametrize(
     "spans",
     [

@@ -36,6 +36,9 @@ EFFECT_COLOURS = ("#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 _HEIGHTS = (2.1, 1.3)
 _NUMBERS_INCHES = 0.12
 _ROOM_BELOW_DATA = 3.0
+# And so much at most where an effect is as weak: less than that is nothing beside the others.
+_MOST_ROOM_BELOW_DATA = 30.0
+_ROOM_BELOW_PEAK = 2.0
 _NARROWEST = 0.012  # of a shaded band, in widths of the axes: a line in a spectrum has none
 # Allan variance feels a frequency f most at the averaging time _FELT/f, where the transfer function
 # sin^4(pi f tau)/(pi f tau)^2 has its maximum.
@@ -65,9 +68,13 @@ class ExplainedCurve(NamedTuple):
         """Limits in x and y that frame the data; below, room to see the effects."""
         levels = np.concatenate([self.data, self.before, self.after, self.simulation])
         top = 2.0 * np.nanmax(np.concatenate([levels, self.high]))
+        lowest = float(np.nanmin(levels))
+        # A line in one bin of a spectrum is spread over all of it.
+        peaks = [float(np.nanmax(each)) / _ROOM_BELOW_PEAK for each in self.effects.values()]
+        faintest = max(min(peaks, default=lowest), lowest / _MOST_ROOM_BELOW_DATA)
         return (
             (float(np.nanmin(self.x)) / 1.3, float(np.nanmax(self.x)) * 1.3),
-            (float(np.nanmin(levels)) / _ROOM_BELOW_DATA, float(top)),
+            (min(lowest / _ROOM_BELOW_DATA, faintest), float(top)),
         )
 
     def effects_in_sight(self) -> dict[str, np.ndarray]:
