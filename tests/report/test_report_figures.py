@@ -1,5 +1,6 @@
 import io
 import warnings
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from allanfit.report import figure
 from allanfit.report._figures import svg
 from allanfit.report._interactive import curve_figure
 from allanfit.report._shares_panel import draw_shares
+from allanfit.report._temperature_panel import draw_temperature
 
 
 def texts(axes) -> list[str]:
@@ -196,3 +198,22 @@ def test_shares_are_against_time_in_a_handy_unit(document, duration, unit):
     channel = document["channels"][0]
     channel["influence"]["time_s"] = np.linspace(0, duration, 21).tolist()
     assert draw_shares(channel).axes[-1].get_xlabel().endswith(f"[{unit}]")
+
+
+@pytest.mark.parametrize("warmest", [23.86, 24.92, 25.2, 31.0, 52.0])
+def test_temperatures_along_the_axes_are_apart(document, warmest):
+    celsius = np.linspace(23.73, warmest, 9)
+    channel = document["channels"][0]
+    courses = {"time_s": 60.0 * np.arange(9), "residual": celsius, "effect": celsius}
+    channel["temperature"] = {
+        "slow": {"temperature_degC": celsius, **{k: list(v) for k, v in courses.items()}},
+        "curve": {"temperature_degC": celsius, "effect": celsius, "band_95": [celsius, celsius]},
+    }
+    axes = draw_temperature(channel).axes[0]
+    axes.figure.canvas.draw()
+    low, high = axes.get_xlim()
+    labels = axes.get_xticklabels()
+    shown = [each.get_window_extent() for each in labels if low <= each.get_position()[0] <= high]
+    assert len(shown) > 1
+    # By the width of one, so that no two are read as one.
+    assert all(other.x0 - one.x1 > one.width for one, other in pairwise(shown))

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ._panels import style
 from ._shares_panel import time_axis
 from ._units import typeset
 
 _WIDTH_INCHES, _HEIGHT_INCHES = 7.2, 2.9
+_TEMPERATURES = 5
 _POINT_COLOUR, _CURVE_COLOUR, _BAND_COLOUR = "#4D4D4D", "#D55E00", "#F6CDB0"
 
 
@@ -34,6 +36,8 @@ def draw_temperature(channel: Mapping[str, Any]) -> Figure:
         points = {"color": _POINT_COLOUR, "markersize": 2.6, "markeredgewidth": 0}
         against.plot(slow["temperature_degC"], slow["residual"], "o", **points)
         against.set_xlabel("temperature [°C]")
+        # Over little heat numbers have many digits, and more of them would run together.
+        against.xaxis.set_major_locator(MaxNLocator(_TEMPERATURES))
         against.set_ylabel(f"slow change{unit}", parse_math=False)
         time, name = time_axis(slow["time_s"])
         (seen,) = along.plot(time, slow["residual"], "o", **points)
