@@ -271,6 +271,24 @@ def test_time_is_drawn_where_something_happens_in_it(explanation):
     assert np.std(points - model) < 4e-4
 
 
+@pytest.mark.parametrize(
+    ("size", "power"), [(1e-3, "10⁻³ "), (0.03, ""), (1e5, "10⁵ ")], ids=["small", "usual", "large"]
+)
+def test_a_power_of_ten_stands_beside_the_unit(explanation, size, power):
+    """Above the lower axes the frame of the upper one would strike it through."""
+    channel = explanation["channels"][1]
+    entry = channel["curves"]["time"]
+    entry["deviation"] = np.linspace(0.2 * size, 1.5 * size, len(entry["time_s"])).tolist()
+    lower = draw_time(channel).axes[1]
+    lower.figure.canvas.draw()
+    assert lower.get_ylabel() == f"deviation [{power}deg/s]"
+    assert lower.yaxis.get_offset_text().get_text() == ""
+    factor = size if power else 1.0
+    for label in lower.get_yticklabels():
+        shown = float(label.get_text().replace("\N{MINUS SIGN}", "-"))
+        assert shown * factor == pytest.approx(label.get_position()[1], abs=1e-9 * size)
+
+
 def test_a_course_without_a_model_shows_the_intervals(explanation):
     channel = explanation["channels"][1]
     channel["curves"]["time"]["model"] = None

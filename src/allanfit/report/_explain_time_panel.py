@@ -1,6 +1,6 @@
 """Drawing a recording against time: its mean and its noise level, and what stands out."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 from ._explain_panels import AFTER, shade
 from ._panels import DATA_COLOUR, say_empty, style
 from ._shares_panel import time_unit
-from ._units import typeset
+from ._units import in_brackets
 
 _WIDTH_INCHES, _HEIGHT_INCHES = 7.2, 3.3
 _MARKED = {"color": "#F6CDB0", "linewidth": 0}
+_PLAIN_EXPONENTS = range(-2, 4)
 
 
 def has_time(channel: Mapping[str, Any]) -> bool:
@@ -28,7 +29,6 @@ def draw_time(channel: Mapping[str, Any]) -> Figure:
     Marked intervals are orange, stretches of mismatch yellow with their numbers.
     """
     entry = channel["curves"]["time"]
-    unit = f" [{typeset(channel['unit'])}]" if channel["unit"] else ""
     seconds = np.array(entry["time_s"], dtype=float)
     size, name = time_unit(float(seconds[-1]))
     with style():
@@ -40,9 +40,11 @@ def draw_time(channel: Mapping[str, Any]) -> Figure:
             values = np.array(entry[key], dtype=float)
             shown = values - np.nanmean(values) if key == "mean" else values
             axes.plot(seconds / size, shown, "o", zorder=3, **points)
-            axes.set_ylabel(f"{label}{unit}", parse_math=False)
+            # Beside the unit: above the lower axes there is no room for a power of ten.
+            power = _power_of_ten(shown)
+            axes.set_ylabel(label + in_brackets(power, channel["unit"]), parse_math=False)
             axes.yaxis.set_label_coords(-0.078, 0.5)
-            axes.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useMathText=True)
+            axes.yaxis.set_major_formatter(_in_units_of(10.0**power))
             if not np.isfinite(values).any():
                 say_empty(axes)
         if entry.get("model"):
@@ -59,3 +61,14 @@ def draw_time(channel: Mapping[str, Any]) -> Figure:
                 axes.axvspan(start / size, stop / size, zorder=1, **_MARKED)
         shade(channel, "time", (upper, lower), size)
         return sheet
+
+
+def _power_of_ten(values: np.ndarray) -> int:
+    """In which numbers along an axes are short; zero for those that are short as they are."""
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    power = int(np.floor(np.log10(largest))) if largest > 0 else 0
+    return 0 if power in _PLAIN_EXPONENTS else power
+
+
+def _in_units_of(size: float) -> Callable[[float, float], str]:
+    return lambda value, _: f"{value / size:.6g}".replace("-", "\N{MINUS SIGN}")
