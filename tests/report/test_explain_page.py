@@ -305,6 +305,18 @@ def test_a_line_is_drawn_against_the_distance_from_it(explanation, width, unit):
     assert axes.get_ylabel() == "density [(deg/s)²/Hz]"
 
 
+def test_a_line_has_the_digits_that_its_interval_has(explanation):
+    """Half of it is 2.6e-5 Hz, of which two digits are told; the table has the same."""
+    channel = explanation["channels"][0]
+    line = {**channel["curves"]["lines"][0], "line_hz": 13.0204}
+    (axes,) = draw_line(line, "deg/s", channel["effects"]).axes
+    assert axes.get_title() == "13.020400 Hz"
+    wide = {"value": 13.0204, "unit": "Hz", "intervals": {"0.95": [12.96, 13.08]}}
+    channel["effects"][1]["parameters"]["frequency"] = wide
+    (axes,) = draw_line(line, "deg/s", channel["effects"]).axes
+    assert axes.get_title() == "13.020 Hz"
+
+
 def test_many_lines_are_not_all_drawn(explanation, capsys):
     channel = explanation["channels"][0]
     explanation["channels"] = [channel]

@@ -101,7 +101,11 @@ def _figures(channel: Mapping[str, Any], number: int, interactive: bool) -> dict
         "psd": drawn(as_svg(draw_curve(channel, "psd"), f"psd-{number}-")),
         "time": drawn(as_svg(draw_time(channel), f"time-{number}-")) if has_time(channel) else "",
         "lines": [
-            drawn(as_svg(draw_line(line, channel["unit"]), f"line-{number}-{index}-"))
+            drawn(
+                as_svg(
+                    draw_line(line, channel["unit"], channel["effects"]), f"line-{number}-{index}-"
+                )
+            )
             for index, line in enumerate(lines[:_LINES], start=1)
         ],
         "more_lines": max(0, len(lines) - _LINES),
