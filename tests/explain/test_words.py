@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from allanfit.explain._words import without_pointer
+from allanfit.explain._effect import Effect
+from allanfit.explain._words import effect_sentence, without_pointer
 from allanfit.recording import recording_of
 
 
@@ -25,3 +26,61 @@ def test_an_explanation_does_not_point_to_itself(kind):
         assert finding.startswith(left[:-1])
     for finding in set(channel.findings) - set(pointing):
         assert without_pointer(finding) == finding
+
+
+def parameter(value: float, low: float, high: float, unit: str) -> dict:
+    return {"value": value, "unit": unit, "intervals": {"0.95": [low, high]}}
+
+
+@pytest.mark.parametrize(
+    ("name", "shown", "said"),
+    [
+        (
+            "resonance",
+            {
+                "sigma": parameter(0.0083006, 0.0062768, 0.0098988, "deg/s"),
+                "frequency": parameter(20.57705, 20.51577, 20.64044, "Hz"),
+                "quality_factor": parameter(473.15, 85.8, 2764.0, ""),
+            },
+            "A resonance of 0.0083 deg/s rms at 20.577 Hz with a quality factor of 500.",
+        ),
+        (
+            "sinusoid",
+            {
+                "amplitude": parameter(1.23456e-3, 1.1e-3, 1.4e-3, "rad/s"),
+                "frequency": parameter(7.123456, 7.11, 7.13, "Hz"),
+            },
+            "A sinusoid of amplitude 0.00123 rad/s at 7.123 Hz.",
+        ),
+        (
+            "dropped_samples",
+            {"fraction": parameter(0.0123456, 0.011, 0.0137, "")},
+            "1.23 % of the samples were lost on the way, by the time stamps.",
+        ),
+        (
+            "power_law",
+            {"exponent": parameter(1.2345, 1.0, 1.5, "1")},
+            "Noise whose density falls as f^-1.23, which is neither white, flicker nor random "
+            "walk.",
+        ),
+        # Of what has no interval four digits, as in a table.
+        (
+            "bump",
+            {"frequency": {"value": 1234.567, "unit": "Hz", "intervals": {}}},
+            "Nothing of the catalogue explains a lack of power about 1235 Hz; a smooth bump "
+            "stands for it.",
+        ),
+    ],
+)
+def test_sentences_have_the_digits_that_intervals_support(name, shown, said):
+    """Half of an interval has two: of 62 mHz those are thousandths."""
+    assert effect_sentence(Effect(name, 0.99, {}, {}), shown) == said
+
+
+def test_a_corner_that_may_fold_has_the_digits_of_its_interval():
+    shown = {
+        "cutoff_frequency": parameter(36.8, 28.7, 268.4, "Hz"),
+        "order": parameter(2.0, 1.8, 2.3, ""),
+    }
+    said = effect_sentence(Effect("low_pass", 0.99, {}, {}, band_hz=(9.2, 50.0)), shown)
+    assert said.startswith("A low-pass filter at 40 Hz of order 2.00, or any corner from 30 to 270")

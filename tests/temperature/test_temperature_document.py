@@ -10,6 +10,7 @@ import allanfit
 from allanfit.identify import fit_recording
 from allanfit.recording import load, save
 from allanfit.report import format_text, write_page
+from allanfit.temperature._channel import _coefficient
 
 RATE_HZ, SAMPLES = 10.0, 3000
 TIME = np.arange(SAMPLES) / RATE_HZ
@@ -147,3 +148,12 @@ def test_digits_are_those_that_the_interval_warrants(shown):
     place = 1 - int(np.floor(np.log10((high - low) / 2)))
     told = f"[{low:.{place}f}, {high:.{place}f}] deg/s/degC"
     assert told in channel["temperature"]["sentences"][0]
+
+
+def test_coefficients_have_the_digits_of_a_table():
+    """Of a limit two, rounded up so that it stays one."""
+    unresolved = {"resolved": False, "upper_limit_95": 3.13e-4, "unit": "deg/s/sqrt(s)"}
+    assert _coefficient(unresolved) == "below 3.2e-4 deg/s/sqrt(s)"
+    assert _coefficient({**unresolved, "upper_limit_95": None}) == "no limit"
+    resolved = {"resolved": True, "value": 0.0012345, "intervals": {"0.95": [0.0011, 0.0014]}}
+    assert _coefficient({**resolved, "unit": "g"}) == "0.00123 g"

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+from ..formatting import reading
 from ._effect import Effect
 from .lines._harmonics import Family
 from .values._spikes import USUAL
@@ -18,9 +19,10 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
     """What the recording holds, with numbers in the user's unit."""
 
     def told(name: str) -> str:
-        entry = shown[name]
-        unit = f" {entry['unit']}" if entry["unit"] not in ("", "1") else ""
-        return f"{entry['value']:.3g}{unit}"
+        return " ".join(part for part in (_number(shown[name]), _unit(shown[name])) if part)
+
+    def per_cent(name: str) -> str:
+        return f"{_number(shown[name], 100.0)} %"
 
     count = len(effect.lists.get("intervals", effect.lists.get("times", [])))
     sentences = {
@@ -33,8 +35,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"for {told('dwell_time')} on average{_unequal(shown)}."
         ),
         "sinusoid": lambda: (
-            f"A sinusoid of amplitude {told('amplitude')} at {shown['frequency']['value']:.6g} Hz"
-            f"{effect.note}."
+            f"A sinusoid of amplitude {told('amplitude')} at {told('frequency')}{effect.note}."
         ),
         "drifting_line": lambda: (
             f"A line of amplitude {told('amplitude')} whose frequency wanders by "
@@ -51,7 +52,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + ": noise above it is missing, and N, B and K are misread without it."
         ),
         "power_law": lambda: (
-            f"Noise whose density falls as f^-{shown['exponent']['value']:.2f}, which is neither "
+            f"Noise whose density falls as f^-{told('exponent')}, which is neither "
             "white, flicker nor random walk."
         ),
         "temperature": lambda: (
@@ -75,13 +76,13 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             f"{told('amplitude').lstrip('-')} on average."
         ),
         "outliers": lambda: (
-            f"{100 * shown['fraction']['value']:.2g} % of the samples have spikes of size "
+            f"{per_cent('fraction')} of the samples have spikes of size "
             f"{told('amplitude')} added, "
             + ("all of them alike, " if "alike" in shown else "")
             + "which inflate N."
             if shown["fraction"]["value"] <= USUAL
             else "The noise has longer tails than normal noise, as if "
-            f"{100 * shown['fraction']['value']:.2g} % of the samples had noise of "
+            f"{per_cent('fraction')} of the samples had noise of "
             f"{told('amplitude')} added; N is that of all of it."
         ),
         "output_rounding": lambda: (
@@ -118,7 +119,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + " left out of the better model."
         ),
         "dropped_samples": lambda: (
-            f"{100 * shown['fraction']['value']:.2g} % of the samples were lost on the way, "
+            f"{per_cent('fraction')} of the samples were lost on the way, "
             + (
                 f"as the line at {effect.note} tells, whose phase jumps ahead each time by what it "
                 "turns in a sample. No time stamp tells of them: log a counter of samples."
@@ -137,6 +138,16 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
     return sentences[effect.name]()
 
 
+def _number(entry: dict[str, Any], factor: float = 1.0) -> str:
+    """The value with the digits that its interval supports, as in a table beside it."""
+    interval = [factor * end for end in entry["intervals"].get("0.95", ())]
+    return reading(factor * entry["value"], interval, "").value
+
+
+def _unit(entry: dict[str, Any]) -> str:
+    return "" if entry["unit"] == "1" else entry["unit"]
+
+
 def family_sentence(family: Family) -> str:
     """What lines that belong together say of their cause."""
     *most, last = (f"{frequency:.5g}" for frequency in family.lines)
@@ -152,12 +163,13 @@ def family_sentence(family: Family) -> str:
 
 def _folding(cutoff: dict[str, Any], band: tuple[float, float] | None) -> str:
     """That a corner may lie beyond the Nyquist frequency, which ends the band of a filter."""
-    low, high = cutoff["intervals"].get("0.95", (0.0, 0.0))
-    if band is None or high <= band[1]:
+    interval = cutoff["intervals"].get("0.95", (0.0, 0.0))
+    if band is None or interval[1] <= band[1]:
         return ""
+    low, high = reading(cutoff["value"], interval, "").interval.strip("[]").split(", ")
     return (
-        f", or any corner from {low:.3g} to {high:.3g} {cutoff['unit']} (of those beyond half the "
-        "sampling rate only what folds is seen)"
+        f", or any corner from {low} to {high} {cutoff['unit']} (of those beyond half the sampling "
+        "rate only what folds is seen)"
     )
 
 

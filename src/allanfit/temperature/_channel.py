@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..formatting import finite, p_value, percent, reading
+from ..formatting import finite, p_value, percent, reading, upper_limit
 from ..identify._fit import Fit
 from ..recording import Channel, Recording
 from ._sensitivity import RESOLVED_P, TemperatureEffect, temperature_sensitivity
@@ -221,6 +221,7 @@ def _told(entry: Mapping[str, Any]) -> str:
 
 def _coefficient(entry: Mapping[str, Any]) -> str:
     if entry["resolved"]:
-        return f"{entry['value']:.3g} {entry['unit']}".rstrip()
-    limit = entry["upper_limit_95"]
-    return "no limit" if limit is None else f"below {limit:.3g} {entry['unit']}".rstrip()
+        shown = reading(entry["value"], entry["intervals"].get("0.95"), entry["unit"])
+        return f"{shown.value} {shown.unit}".rstrip()
+    limit = upper_limit(entry["upper_limit_95"], entry["unit"])
+    return str(limit).replace("<", "below").rstrip() if limit.value != "no limit" else limit.value
