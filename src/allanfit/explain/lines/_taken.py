@@ -10,6 +10,7 @@ from .._refit import add_course, drop_courses, finer_edges
 from .._state import Finding, Investigation, whitened_piece
 from ..courses import _course
 from ..courses._course import Course
+from ..spectrum._structure import NARROW
 from ..spectrum._whiten import level
 from ._lines import Peak, Sine, evenly, line_log_chance, refine, scan
 from ._several import several
@@ -58,11 +59,14 @@ def line_options(state: Investigation) -> list[Option]:
             for old in state.peaks
         )
     ]
+    # They are taken out before: without a word a reader takes the chance for theirs.
+    known = held or state.peaks or set(state.model.kinds.added) & set(NARROW)
+    beside = " beside those that are known already" if known else ""
     state.witness(
         "lines",
         float(len(peaks) + held + len(state.peaks)),
         float(np.exp(peaks[0].log_p)) if peaks else 1.0,
-        "The spectrum at full resolution, scanned for narrow bands.",
+        f"The spectrum at full resolution, scanned for narrow bands{beside}.",
     )
     if not peaks or held >= _MOST_LINES:
         return []
