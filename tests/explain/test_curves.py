@@ -56,6 +56,24 @@ def test_close_to_a_line_the_model_is_as_narrow_as_it_is(noise, second, half):
     assert peak == pytest.approx(11.3, abs=1 / 600)
 
 
+@pytest.mark.parametrize("part", [0.0, 0.3, 0.5], ids=["on", "near", "between"])
+def test_a_sinusoid_is_as_broad_as_the_window_makes_it(part):
+    """Far above the noise the spectrum of the record has nothing else, wherever ordinates are."""
+    frequency = (6_780 + part) * RATE / SAMPLES
+    time = np.arange(SAMPLES) / RATE
+    values = N * RATE**0.5 * np.random.default_rng(5).standard_normal(SAMPLES)
+    values += 50.0 * np.sin(2 * np.pi * frequency * time + 0.4)
+    power = np.array([0.0, N**2 * RATE, 0.0, 0.0])
+    state = begin(values, ((0, SAMPLES),), "point", power, 0.01)
+    draws = {"amplitude": np.full(2, 50.0), "frequency": np.full(2, frequency)}
+    effect = Effect("sinusoid", 0.99, {}, draws, band_hz=(frequency, frequency))
+    (line,) = _lines(state, [effect], 1 / RATE, 1.0)
+    density, model = np.array(line["density"]), np.array(line["model"])
+    lobe = np.abs(np.array(line["frequency_hz"]) - frequency) < 1.6 * RATE / SAMPLES
+    assert lobe.sum() >= 3
+    np.testing.assert_allclose(model[lobe], density[lobe], rtol=0.02)
+
+
 def test_noises_of_one_name_are_counted_by_themselves_the_strongest_first():
     """As many of another name are between them; a line of amplitude A has the power A^2/2."""
     state = state_of(np.random.default_rng(4).standard_normal(2_000), "resonance", 1.0, 0.1, 9.0)

@@ -232,11 +232,11 @@ def _lines(state: Investigation, effects, dt: float, factor: float) -> list[dict
         model = _at_full_resolution(state, fine * spacing * dt) * dt
         model = model.reshape(count, _WITHIN).mean(axis=1)
         if effect.name == "sinusoid":
-            # A Hann window spreads a line over four ordinates.
+            # A Hann window spreads a line over four ordinates, and noise over one and a half.
             peak = effect.value("amplitude") ** 2 / 2 / (1.5 * spacing)
-            model = model + peak * np.sinc((frequency - line) / (2 * spacing)) ** 2 * (
-                np.abs(frequency - line) < 2 * spacing
-            )
+            away = (frequency - line) / spacing
+            lobe = np.sinc(away) + (np.sinc(away - 1) + np.sinc(away + 1)) / 2
+            model = model + peak * np.where(np.abs(away) < 2, lobe**2, 0.0)
         found.append(
             {
                 "frequency_hz": frequency.tolist(),
