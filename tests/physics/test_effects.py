@@ -36,6 +36,7 @@ CONTRACT = {
         "droop",
         "ripple",
         "attenuation",
+        "floor",
         "digital",
         "averaged",
         "recursive",

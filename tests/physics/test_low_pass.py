@@ -1,10 +1,11 @@
 """Gains of digital low-pass filters beside the responses that SciPy computes of their taps."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.signal import cheby1, cheby2, ellip, firwin, freqz, sosfreqz
+from scipy.signal import cheby1, cheby2, ellip, firwin, freqs_zpk, freqz, sosfreqz
 
 from allanfit.physics import LowPass
 
@@ -84,6 +85,42 @@ def test_an_elliptic_filter(order, ripple, attenuation, edge):
     assert_gain_is_that_of(sections, edge, order, ripple, attenuation, 1e-3, 1e-6)
 
 
+@pytest.mark.parametrize("order", [3, 4])
+def test_an_elliptic_filter_in_front_of_the_converter_folds(order):
+    """SciPy's analogue design at the images of each frequency, two sampling rates to each side."""
+    ripple, attenuation, edge = 0.5, 40.0, 0.3
+    design = ellip(order, ripple, attenuation, edge, output="zpk", analog=True)
+
+    def power(frequency):
+        return np.abs(freqs_zpk(*design, worN=np.abs(frequency).ravel())[1]) ** 2
+
+    fine = np.linspace(edge, 0.5, 20_001)
+    cutoff = np.interp(-power(np.zeros(1))[0] / 2, -power(fine), fine)
+    low_pass = LowPass(
+        jnp.asarray(cutoff / DT),
+        jnp.asarray(float(order)),
+        ripple=jnp.asarray(ripple),
+        attenuation=jnp.asarray(attenuation),
+    )
+    frequency = np.linspace(0, 0.5, 301)
+    images = frequency[:, None] + np.arange(-2, 3)
+    folded = power(images).reshape(images.shape).sum(axis=1)
+    gain = np.asarray(eqx.filter_jit(low_pass.gain)(frequency / DT, DT))
+    np.testing.assert_allclose(gain, folded / folded[0], rtol=1e-3, atol=1e-6)
+
+
+def test_a_floor_is_white_noise_behind_a_filter():
+    """A hundredth of the power, of which all is left where the filter leaves nothing."""
+    low_pass = LowPass(jnp.asarray(5.0), jnp.asarray(6.0), floor=jnp.asarray(-20.0), digital=True)
+    gain = low_pass.gain(jnp.asarray([0.0, 5.0, 49.9]), DT)
+    np.testing.assert_allclose(np.asarray(gain), [1.0, 0.01 + 0.99 / 2, 0.01], rtol=1e-4)
+    white = np.random.default_rng(0).standard_normal(200_000).astype(np.float32)
+    passed = low_pass.apply(jax.random.key(0), jnp.asarray(white), DT, "point")
+    above = np.abs(np.fft.rfft(np.asarray(passed)))[40_000:] ** 2 / white.size
+    # Sixty thousand ordinates of that hundredth.
+    assert above.mean() == pytest.approx(0.01, rel=0.03)
+
+
 @pytest.mark.parametrize("order", [2, 3, 6])
 def test_chebyshev_filters_are_elliptic_ones_without_lobes_or_ripple(order):
     """Without ripple the pass band has no edge, and what is next to none is near enough."""
@@ -121,7 +158,7 @@ def assert_gain_is_that_of(sections, edge, order, ripple, attenuation, within, f
     ("order", "more", "why"),
     [
         (4.0, {"digital": True}, "give both or neither"),
-        (4.0, {"attenuation": jnp.asarray(40.0)}, "only a digital filter"),
+        (4.0, {"attenuation": jnp.asarray(40.0), "recursive": True}, "nothing else"),
         (3.5, {"attenuation": jnp.asarray(40.0), "digital": True}, "a whole number from 2 to 10"),
     ],
 )

@@ -13,6 +13,7 @@ _SMOOTH = {
     "power_law": (1.0, 2),
     "low_pass": (4.0, 2),
     "droop": (1.0, 1),
+    "floor": (1.0, 1),
     "drifting_line": (15.0, 3),
     "bump": (70.0, 3),
 }

@@ -21,7 +21,7 @@ from .spectrum._structure import (
     HIGH_PASS,
     NARROW,
     RIPPLED,
-    TERMS,
+    SHAPE,
     TWO_POLES,
     UNNAMED,
     bounds,
@@ -107,7 +107,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     findings, cut = state.findings_of(kinds.names), rails(state)
     found = []
     if draws.filtering is not None:
-        cutoff, order, droop, ripple, attenuation = draws.filtering.T
+        cutoff, order, droop, ripple, attenuation, floor = draws.filtering.T
         if kinds.shaping in TWO_POLES:
             # Of two poles so far apart one is not seen, and with it no droop is.
             order = np.where((order == 2) & (droop > _ONE_POLE), 1.0, order)
@@ -116,12 +116,14 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             values["droop"] = droop
         if kinds.shaping in RIPPLED:
             values |= {"ripple": ripple, "attenuation": attenuation}
+        if kinds.floored:
+            values["floor"] = floor
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
         if kinds.shaping in TWO_POLES and told["order"] == 1:
             values.pop("droop")
         values["cutoff_frequency"] = _of_any_converter(cutoff, seed) / dt
-        kind = sieve(kinds.shaping or "", state.model.theta[TERMS : TERMS + EACH], samples)
+        kind = sieve(kinds.shaping or "", state.model.theta[SHAPE], samples)
         flags = ("digital", "averaged", "recursive", "running_mean", "oversampled", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
         if kinds.last and any(name != "drifting_line" for name in kinds.added):
@@ -135,12 +137,12 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 {**values, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
-                note=_described(kind),
+                note=_described(kind, kinds.floored),
                 told=told,
             )
         )
     if kinds.shaping in UNNAMED:
-        bump = _unnamed(kinds.shaping, draws.theta[:, TERMS : TERMS + EACH].T, samples, dt)
+        bump = _unnamed(kinds.shaping, draws.theta[:, SHAPE].T, samples, dt)
         compared = next((f for f in state.findings if f.name == "bump" and f.rivals), None)
         own, others = probabilities(compared, "bump")
         found.append(replace(bump, probability=own, alternatives=others))
@@ -235,8 +237,16 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
     return Effect("bump", SURE, {}, values, {}, band, note)
 
 
-def _described(kind: LowPass) -> str:
-    """What is said of a filter that is not of Butterworth's kind; "" of one that is."""
+def _described(kind: LowPass, floored: bool) -> str:
+    """What is said of a filter that is not of Butterworth's kind, or floored; "" of any other."""
+    shape = _shape(kind)
+    if not floored or kind.floor is None:
+        return shape
+    shape = shape or f"of order {float(kind.order):.3g}"
+    return f"{shape}, and behind it white noise at {float(kind.floor):.0f} dB, as a converter adds"
+
+
+def _shape(kind: LowPass) -> str:
     order = round(float(kind.order))
     if kind.ripple is not None and kind.attenuation is not None:
         return _rippled(order, float(kind.ripple), float(kind.attenuation))

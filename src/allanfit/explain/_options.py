@@ -14,8 +14,8 @@ from .spectrum._model import rarity
 from .spectrum._search import Candidate
 from .spectrum._structure import NARROW, WINDOWED
 
-#: Another shape of a filter that is known.
-DROOP = "droop"
+#: Another shape of a filter that is known, and white noise behind it.
+OF_FILTERS = "droop", "floor"
 
 
 class Option(NamedTuple):
@@ -50,7 +50,7 @@ def smooth_option(state: Investigation, candidate: Candidate) -> Option:
         if candidate.name == "low_pass":
             settle(state)
         # Another shape of a filter is no effect of its own, but of what is found already.
-        if candidate.name != DROOP:
+        if candidate.name not in OF_FILTERS:
             finding = Finding(candidate.name, chance, candidate.gain, rivals)
             state.findings.append(finding)
 

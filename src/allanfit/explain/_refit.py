@@ -15,7 +15,7 @@ from .courses._course import Course, Sized
 from .courses._sums import Moved, Products, Summing
 from .spectrum import _model
 from .spectrum._ordinates import bin_edges, binned
-from .spectrum._structure import EACH, MEANS, TERMS, sieve
+from .spectrum._structure import MEANS, SHAPE, sieve
 
 # Width of bins about a zero, as a part of its frequency.
 _NEAR_ZERO = 0.002
@@ -77,8 +77,8 @@ def finer_edges(state: Investigation) -> None:
     """Bins that are fine about peaks, and about the zeros of a filter."""
     pairs = [(peak.frequency, peak.half_width) for peak in state.peaks]
     if state.model.kinds.shaping in MEANS:
-        three = state.model.theta[TERMS : TERMS + EACH]
-        taps = float(sieve(state.model.kinds.shaping, three, state.data.samples).taps(1.0))
+        four = state.model.theta[SHAPE]
+        taps = float(sieve(state.model.kinds.shaping, four, state.data.samples).taps(1.0))
         for zero in np.arange(1, taps / 2 + 0.1) / taps:
             pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
     state.edges = bin_edges(state.spectrum.longest, tuple(pairs))

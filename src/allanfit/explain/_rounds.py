@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import factorial, gammaln
 from scipy.stats import poisson
 
-from ._options import DROOP, Option, smooth_option, smooth_options
+from ._options import OF_FILTERS, Option, smooth_option, smooth_options
 from ._refit import go_back, remembered
 from ._state import Investigation
 from .courses._options import course_options
@@ -47,7 +47,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     rivals: dict[str, float] = {}
     for option in found:
         # What a line explains nothing smooth does, and has its own turn: it is no rival.
-        if option.name not in (LINE, BAND, DROOP) and (among is None or option.name in among):
+        if option.name not in (LINE, BAND, *OF_FILTERS) and (among is None or option.name in among):
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True

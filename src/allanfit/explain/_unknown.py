@@ -21,7 +21,7 @@ from .spectrum._leakage import take_bump
 from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
-from .spectrum._structure import EACH, TERMS, UNNAMED
+from .spectrum._structure import SHAPE, UNNAMED
 from .spectrum._whiten import within, without_bands
 from .strength._changing import (
     TILE,
@@ -162,8 +162,8 @@ def _corner_moves(
     if named is None or shaping is None or named.gain <= 0:
         return None
     frequency = np.arange(1, powers.shape[1] - 1) / (2 * (powers.shape[1] - 1))
-    nodes, three = points(frequency), state.model.theta[TERMS : TERMS + EACH]
-    folded, slopes = filter_slopes(shaping, three, nodes, state.data.samples)
+    nodes, four = points(frequency), state.model.theta[SHAPE]
+    folded, slopes = filter_slopes(shaping, four, nodes, state.data.samples)
     # Louder noise may be the sensor's, which is filtered, or come in behind the filter.
     behind = None
     if state.modulation is not None:

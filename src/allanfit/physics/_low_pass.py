@@ -80,8 +80,12 @@ class LowPass(AbstractFilter):
     the window alone, no lower one is to be had. It decimates, and the first image of white noise
     folds.
 
-    With a `ripple` in its pass band and an `attenuation` at least in its stop band a digital filter
-    is elliptic, of as many poles as its order says; see `_equiripple`.
+    With a `ripple` in its pass band and an `attenuation` at least in its stop band a filter is
+    elliptic, of as many poles as its order says; see `_equiripple`. Lobes of an even order never
+    end: in front of the converter what is beyond 2.5 sampling rates is left to a floor.
+
+    With a `floor` white noise comes in behind the filter, as that of a converter does: such a part
+    of all white noise at zero frequency, which N is.
     """
 
     cutoff_frequency: Float[Array, ""]
@@ -89,6 +93,7 @@ class LowPass(AbstractFilter):
     droop: Float[Array, ""] | None = None
     ripple: Float[Array, ""] | None = None
     attenuation: Float[Array, ""] | None = None
+    floor: Float[Array, ""] | None = None
     digital: bool = eqx.field(static=True, default=False)
     averaged: bool = eqx.field(static=True, default=False)
     recursive: bool = eqx.field(static=True, default=False)
@@ -103,6 +108,7 @@ class LowPass(AbstractFilter):
         Parameter("droop", "", range=Range(-math.inf, 1.0, "1 or less")),
         Parameter("ripple", "dB", range=Range(math.ulp(0.0), 3.0, "above zero, 3 at most")),
         Parameter("attenuation", "dB", range=Range(15.0, 200.0, "between 15 and 200")),
+        Parameter("floor", "dB", range=Range(-math.inf, math.nextafter(0.0, -1), "below zero")),
         Parameter("digital", "", kind="flag"),
         Parameter("averaged", "", kind="flag"),
         Parameter("recursive", "", kind="flag"),
@@ -120,8 +126,9 @@ class LowPass(AbstractFilter):
             return ""
         if self.ripple is None or self.attenuation is None:
             return "has a ripple or an attenuation without the other: give both or neither"
-        if not self.digital or self.droop is not None:
-            return "has a ripple, which only a digital filter without a droop has here"
+        other = self.recursive, self.running_mean, self.oversampled, self.windowed
+        if any(other) or self.droop is not None:
+            return "has a ripple, so that it can be digital or averaged, and nothing else"
         if not 2 <= self.order <= MOST_POLES or self.order % 1:
             return f"has a ripple, so that its order must be a whole number from 2 to {MOST_POLES}"
         return ""
@@ -135,15 +142,22 @@ class LowPass(AbstractFilter):
     def gain(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
     ) -> Float[Array, "*shape"]:
-        """The folded |H|^2, as a multiple of what it is at zero frequency."""
+        """The folded |H|^2, as a multiple of what it is at zero frequency; with its floor."""
         if self.after_converter:
-            return self.passed(frequency, dt)
+            return self.raised(self.passed(frequency, dt))
         if self.oversampled:
-            return oversampled_gain(frequency * dt, self.taps(dt), self.order)
+            return self.raised(oversampled_gain(frequency * dt, self.taps(dt), self.order))
         # With zero frequency as the last of them: one evaluation compiles faster than two.
         places = jnp.append(frequency.reshape(-1), 0.0)
         folded = self.folded(places, dt, "averaged" if self.averaged else sampling)
-        return (folded[:-1] / folded[-1]).reshape(frequency.shape)
+        return self.raised((folded[:-1] / folded[-1]).reshape(frequency.shape))
+
+    def raised(self, gain: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
+        """What is left of all white noise where such a part of what comes in first is."""
+        if self.floor is None:
+            return gain
+        behind = jnp.exp(self.floor * (np.log(10) / 10))
+        return behind + (1 - behind) * gain
 
     def folded(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling = "point"
@@ -151,6 +165,9 @@ class LowPass(AbstractFilter):
         """Sum over j of |H(f + j/dt)|^2, times sinc^2 there where samples are averages."""
         at = (frequency * dt - jnp.round(frequency * dt)).reshape(-1)
         near = self._images(at, np.arange(-_NEAR, _NEAR + 1), dt, sampling)
+        if self.ripple is not None:
+            # Lobes of an even order never end: what folds from further away is a floor.
+            return near.reshape(frequency.shape)
         # What is further away changes little within a sampling rate, and is even: few points do.
         beyond = np.arange(_NEAR + 1, _ALIASES + 1)
         points = jnp.asarray(_PLACES, at.dtype)
@@ -219,7 +236,7 @@ class LowPass(AbstractFilter):
     def apply(
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling
     ) -> Float[Array, " samples"]:
-        """White noise filtered, aliases and all; nothing is drawn."""
+        """White noise filtered, aliases, floor and all; nothing is drawn."""
         return filtered(samples, lambda frequency: self.gain(frequency, dt, sampling), dt)
 
     def _beyond(self, edge: Float[Array, "*shape"]) -> Float[Array, "*shape"]:

@@ -16,6 +16,8 @@ from scipy.signal import (
     lfilter,
     remez,
     sosfilt,
+    sosfreqz,
+    tf2sos,
 )
 
 from allanfit.explain._investigate import investigate
@@ -23,6 +25,8 @@ from allanfit.explain._state import begin
 from allanfit.explain.spectrum._leakage import leave_leakage
 from allanfit.explain.spectrum._structure import (
     EACH,
+    FLOOR,
+    SHAPE,
     TERMS,
     WINDOWED,
     Kinds,
@@ -46,10 +50,10 @@ def found_in(values: np.ndarray):
     values = values[-SAMPLES:]
     power = np.array([0.0, np.var(values), 0.0, 1e-6])
     state = investigate(values, ((0, SAMPLES),), "point", power)
-    three = state.model.theta[TERMS : TERMS + EACH]
     assert state.model.kinds.filtering
     names = [finding.name for finding in state.findings]
-    return names, sieve(state.model.kinds.shaping or "", three, float(SAMPLES)), state
+    four = state.model.theta[SHAPE]
+    return names, sieve(state.model.kinds.shaping or "", four, float(SAMPLES)), state
 
 
 @pytest.mark.parametrize(("taps", "times"), [(10, 1), (6, 2)])
@@ -112,6 +116,56 @@ def test_a_filter_with_ripple_is_one_filter(sections, order):
     assert low_pass.ripple is not None
     assert float(low_pass.order) == order
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("order", "ripple", "attenuation", "edge"), [(3, 1, 30, 0.15), (4, 0.5, 40, 0.25)]
+)
+def test_an_elliptic_filter_in_front_of_the_converter_is_one_filter(
+    order, ripple, attenuation, edge
+):
+    """At sixteen times the rate, one value in sixteen: its lobes fold, and a line was made of it.
+
+    Half of the power passes where SciPy says; N within five of its standard errors of 1 %.
+    """
+    sections = ellip(order, ripple, attenuation, edge / 8, output="sos")
+    frequency = np.linspace(0, 0.5, 20_001)
+    power = np.abs(sosfreqz(sections, 2 * np.pi * frequency / 16)[1]) ** 2
+    fine = np.random.default_rng(order).standard_normal(16 * (SAMPLES + 400)) * 4
+    names, low_pass, state = found_in(sosfilt(sections, fine)[::16] / np.sqrt(power[0]))
+    assert names == ["low_pass"]
+    assert low_pass.ripple is not None
+    assert not low_pass.digital
+    assert float(low_pass.order) == order
+    cutoff = frequency[np.flatnonzero(power > power[0] / 2)[-1]]
+    assert float(low_pass.cutoff_frequency) == pytest.approx(cutoff, rel=0.02)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("sections", "part"),
+    [
+        (butter(4, 0.2, output="sos"), 0.05),
+        (butter(2, 0.1, output="sos"), 0.1),
+        (ellip(4, 0.5, 40, 0.5, output="sos"), 0.02),
+        (tf2sos(firwin(63, 0.4), 1), 0.1),
+    ],
+    ids=["fourth order", "second order", "elliptic", "sixty-three taps"],
+)
+def test_white_noise_behind_a_filter_is_part_of_it(sections, part):
+    """A converter's noise made a line of the foot of an edge, or the filter had no name at all.
+
+    Within a decibel: where an analogue filter is as likely, quantization takes a part of it.
+    """
+    still = np.prod(sections[:, :3].sum(axis=1) / sections[:, 3:].sum(axis=1))
+    values = sosfilt(sections, noise(17, SAMPLES + 4000)) / still
+    values += part * np.random.default_rng(18).standard_normal(values.size)
+    names, low_pass, state = found_in(values)
+    assert names == ["low_pass"]
+    assert state.model.kinds.floored
+    assert low_pass.floor is not None
+    assert float(low_pass.floor) == pytest.approx(20 * np.log10(part), abs=1)
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.05)
 
 
 def test_exponential_averages_of_averages_have_poles_and_no_zeros():
@@ -190,7 +244,7 @@ def test_what_passes_beyond_a_notch_is_not_left_out():
     power = np.array([0.0, np.var(values), 0.0, 1e-6])
     state = begin(values, ((0, SAMPLES),), "point", power, alarm=1e-3)
     edge = free_filter(WINDOWED, 0.14, 100.0, SAMPLES)
-    theta = np.concatenate([state.model.theta[:TERMS], edge])
+    theta = np.concatenate([state.model.theta[:TERMS], edge, [FLOOR]])
     state.model = state.model._replace(kinds=Kinds(WINDOWED), theta=theta)
     leave_leakage(state)
     assert state.spectrum.clean(np.array([0.2, 0.24])).all()

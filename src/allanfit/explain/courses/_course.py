@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 from ..spectrum._climb import log_scatter
 from ..spectrum._model import Model, mean_density, rescaled
 from ..spectrum._ordinates import Ordinates, amplitudes, points
-from ..spectrum._structure import EACH, HIGH_PASS, TERMS, Data, shaped
+from ..spectrum._structure import HIGH_PASS, SHAPE, Data, shaped
 from ._sums import Moved, Products, Summing
 
 _ROUNDS = 3
@@ -94,9 +94,9 @@ def fallen(
     """What a high-pass filter leaves below the first bin, as a part of what it leaves there."""
     part = np.ones(frequency.size)
     if model.kinds.shaping == HIGH_PASS:
-        three, below = model.theta[TERMS : TERMS + EACH], frequency < first
+        four, below = model.theta[SHAPE], frequency < first
         at = points(np.append(frequency[below], first))
-        gain = np.asarray(shaped(HIGH_PASS, three, at, data.samples)[2])
+        gain = np.asarray(shaped(HIGH_PASS, four, at, data.samples)[2])
         part[below] = gain[:-1] / gain[-1]
     return part
 

@@ -13,7 +13,7 @@ from scipy.fft import irfft, rfft
 from scipy.signal import fftconvolve
 
 from .._state import Investigation
-from ..spectrum._structure import EACH, TERMS, sieve
+from ..spectrum._structure import SHAPE, sieve
 from ._course import Edge, risen
 
 #: Points a sample of the response of a filter in front of the converter.
@@ -45,8 +45,8 @@ def passing(state: Investigation) -> Passing | None:
     kinds = state.model.kinds
     if not kinds.filtering:
         return None
-    three = jnp.asarray(state.model.theta[TERMS : TERMS + EACH])
-    found = sieve(kinds.shaping or "", three, state.data.samples)
+    four = jnp.asarray(state.model.theta[SHAPE])
+    found = sieve(kinds.shaping or "", four, state.data.samples)
     fine = 1 if found.after_converter else FINE
     frequency = np.arange(_LENGTH // 2 + 1) * (fine / _LENGTH)
     passed = np.asarray(found.passed(jnp.asarray(frequency), 1.0))

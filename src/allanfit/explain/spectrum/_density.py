@@ -20,6 +20,7 @@ from ._structure import (
     EACH,
     FLOOR,
     MEANS,
+    SHAPE,
     TERMS,
     Data,
     Kinds,
@@ -67,9 +68,9 @@ def densities_and_slopes(
     if gain_slopes is not None:
         folded, passed, bumped = gain_slopes
         strong = held * power
-        white = strong[:, 1] + strong[:, 0] if kinds.angle_filtered else strong[:, 1]
-        slow = strong[:, 2] + strong[:, 3] + filtered
-        slope = folded * (white * bump)[:, None] + passed * (slow * bump)[:, None]
+        behind = filtered + (strong[:, 0] if kinds.angle_filtered else 0.0)
+        slow = strong[:, 2] + strong[:, 3] + behind
+        slope = folded * (strong[:, 1] * bump)[:, None] + passed * (slow * bump)[:, None]
         blocks.append(slope + bumped * (total / bump)[:, None])
     return total, np.concatenate([*blocks, *added], axis=1) / total[:, None]
 
@@ -91,11 +92,11 @@ def log_slopes(
 
 
 def filter_slopes(
-    shaping: str, three: Float[np.ndarray, " three"], nodes: Any, samples: Any
+    shaping: str, four: Float[np.ndarray, " four"], nodes: Any, samples: Any
 ) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, "bins three"]]:
-    """The gain of a filter on white noise, aliases included, and its derivatives."""
-    slopes, gains = _evaluated(_gain_slopes, shaping, three[None], nodes, samples)
-    return gains[0][0], slopes[0][0].T
+    """The gain of a filter on white noise, aliases included, and its derivatives but of a floor."""
+    slopes, gains = _evaluated(_gain_slopes, shaping, four[None], nodes, samples)
+    return gains[0][0], slopes[0][0, :EACH].T
 
 
 def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "terms bins"]):
@@ -169,8 +170,8 @@ def gain_at(
     if kinds.shaping is None or not _passes(name, kinds):
         return np.ones(len(frequency))
     nodes = _filled_up(frequency)
-    three = with_order(kinds.shaping, theta[None, TERMS : TERMS + EACH])
-    passed = _evaluated(_gains, without_droop(kinds.shaping), three, nodes, data.samples)[1]
+    four = with_order(kinds.shaping, theta[None, SHAPE])
+    passed = _evaluated(_gains, without_droop(kinds.shaping), four, nodes, data.samples)[1]
     return passed[0, : len(frequency)]
 
 
@@ -207,7 +208,7 @@ def _rows(gains, kinds: Kinds, held) -> Float[np.ndarray, "starts terms bins"]:
     folded, passed, bump = gains
     if kinds.shaping is None:
         return np.broadcast_to(held, (len(bump), *held.shape))
-    angle = folded if kinds.angle_filtered else np.ones_like(folded)
+    angle = passed if kinds.angle_filtered else np.ones_like(folded)
     return held * np.stack([angle, folded, passed, passed], axis=1) * bump[:, None]
 
 
@@ -216,17 +217,18 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     if kinds.shaping is None:
         one = np.ones((len(theta), 1))
         return (one, one, one), None
-    three = with_order(kinds.shaping, theta[:, TERMS : TERMS + EACH])
+    four = with_order(kinds.shaping, theta[:, SHAPE])
     # A filter that droops is the same program as one that does not, and one of any ripple.
-    asked = without_droop(kinds.shaping), three, data.bins.nodes, data.samples
+    asked = without_droop(kinds.shaping), four, data.bins.nodes, data.samples
     if kinds.shaping in MEANS:
         gains = _held(_evaluated(_gains, *asked), data)
         # Of whole numbers there is nothing to climb along.
-        return gains, tuple(np.zeros((len(each), EACH, each.shape[1])) for each in gains)
+        return gains, tuple(np.zeros((*theta[:, SHAPE].shape, each.shape[1])) for each in gains)
     if not slopes and len(theta) > TOGETHER:
         return _held(_evaluated(_gains, *asked), data), None
     derivatives, gains = _evaluated(_gain_slopes, *asked)
-    derivatives = tuple(each[:, :EACH] for each in derivatives)
+    # The order of one that has ripple is no free parameter.
+    derivatives = tuple(each[:, : theta[:, SHAPE].shape[1]] for each in derivatives)
     return _held(gains, data), _held(derivatives, data)
 
 

@@ -9,10 +9,9 @@ from .._state import Investigation
 from ._ordinates import LEAKAGE_GRID, LEAST, leakage, less_bands, points
 from ._search import Candidate
 from ._structure import (
-    EACH,
     HIGH_PASS,
     MEANS,
-    TERMS,
+    SHAPE,
     WINDOWED,
     end_leakage,
     shape_of,
@@ -33,11 +32,11 @@ def leave_leakage(state: Investigation) -> None:
     What two ends leak is no noise of its own at each frequency: it would bend the filter.
     """
     kinds, theta = state.model.kinds, state.model.theta
-    three, frequency = theta[TERMS : TERMS + EACH], state.spectrum.frequency
+    four, frequency = theta[SHAPE], state.spectrum.frequency
 
     def passed(at: Float[np.ndarray, " frequencies"]) -> Float[np.ndarray, " frequencies"]:
-        gain = shaped(kinds.shaping, three, points(at), state.data.samples)[1]
-        return 2 * np.exp(theta[1]) * np.asarray(gain)
+        white, behind, _ = shaped(kinds.shaping, four, points(at), state.data.samples)
+        return 2 * np.exp(theta[1]) * np.asarray(white if kinds.floored else behind)
 
     # By the filter alone: where ordinates were left out before, no bins say what is there.
     samples, density = state.spectrum.longest, passed(frequency) + float(state.data.foreign)
@@ -64,9 +63,9 @@ def take_bump(state: Investigation, bump: Candidate) -> None:
     if state.model.kinds.shaping != HIGH_PASS:
         return
     samples, frequency = state.data.samples, state.spectrum.frequency
-    three = state.model.theta[TERMS : TERMS + EACH]
-    gain = np.asarray(shaped(HIGH_PASS, three, points(frequency), samples)[2])
-    leaked = float(end_leakage(*shape_of(HIGH_PASS, three, samples))) / samples
+    four = state.model.theta[SHAPE]
+    gain = np.asarray(shaped(HIGH_PASS, four, points(frequency), samples)[2])
+    leaked = float(end_leakage(*shape_of(HIGH_PASS, four, samples))) / samples
     clean = leaked < _LEAKED * gain
     if clean.any():
         # The gain rises: what the two ends leak lies below all that is clean.

@@ -6,7 +6,7 @@ import numpy as np
 
 from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
 from ._density import TOGETHER, expected_density
-from ._structure import EACH, TERMS, Data, Kinds, bounds, free, shape_of
+from ._structure import EACH, SHAPE, TERMS, Data, Kinds, bounds, free, shape_of
 
 # Less than this in a step, and another start of the same name is ahead or soon will be; so it is
 # with such a part of what a poor model leaves beyond one a bin.
@@ -75,11 +75,13 @@ def rescaled(model: Model, data: Data) -> Model:
 
 def without(model: Model, place: int) -> Model:
     """The structure less one of `kinds.names`, where its other parameters are."""
-    kinds, begin = model.kinds, TERMS + EACH * place
-    kept = np.concatenate([model.theta[:begin], model.theta[begin + EACH :]])
+    kinds = model.kinds
     if kinds.shaping is not None and place == 0:
-        return Model(kinds._replace(shaping=None, last=False), kept, model.deviance)
+        bare = kinds._replace(shaping=None, last=False, floored=False)
+        return Model(bare, np.delete(model.theta, SHAPE), model.deviance)
     place -= kinds.shaping is not None
+    begin = kinds.first_slot + EACH * place
+    kept = np.delete(model.theta, slice(begin, begin + EACH))
     added = kinds.added[:place] + kinds.added[place + 1 :]
     return Model(kinds._replace(added=added), kept, model.deviance)
 
@@ -88,9 +90,11 @@ def of_samples(model: Model, before: Data, after: Data) -> Model:
     """The same structure for a record of another length, which bounds its shapes elsewhere."""
     theta = np.array(model.theta)
     kinds = model.kinds
-    names = kinds.added if kinds.shaping is None else (kinds.shaping, *kinds.added)
-    for place, name in enumerate(names):
-        begin = TERMS + EACH * place
+    places = [kinds.first_slot + EACH * place for place in range(len(kinds.added))]
+    begins = list(zip(kinds.added, places, strict=True))
+    if kinds.shaping is not None:
+        begins.append((kinds.shaping, TERMS))
+    for name, begin in begins:
         shape = shape_of(name, theta[begin : begin + EACH], before.samples)
         limits = bounds(name, after.samples)
         theta[begin + 1 : begin + EACH] = [

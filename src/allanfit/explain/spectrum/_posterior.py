@@ -25,12 +25,15 @@ from ._structure import (
     FREE_FILTERS,
     MEANS,
     RIPPLED,
+    SHAPE,
     TERMS,
     TWO_POLES,
     WINDOWED,
     Data,
+    Kinds,
     active,
     droop_of,
+    floor_of,
     foreign,
     free_filter,
     held_rows,
@@ -59,9 +62,9 @@ class Draws(NamedTuple):
     power: Float[np.ndarray, "draws terms"]
     #: All parameters, as `Model.theta`, shape (draws, parameters).
     theta: Float[np.ndarray, "draws parameters"]
-    #: Cut-off frequency [cycles per sample], order, droop, ripple and attenuation [dB] of a filter,
-    #: (draws, 5), or none.
-    filtering: Float[np.ndarray, "draws five"] | None = None
+    #: Cut-off frequency [cycles per sample], order, droop, and in dB ripple, attenuation and floor
+    #: of a filter, (draws, 6), or none.
+    filtering: Float[np.ndarray, "draws six"] | None = None
     #: The structure with the likeliest kind of filter, and which draws are of it.
     likeliest: Model | None = None
     of_likeliest: Bool[np.ndarray, " draws"] | None = None
@@ -87,32 +90,39 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
         if weight > _OPEN:
             drawn = _sample(each, data, seed, quick)
             kept = rng.random(len(drawn.power)) < weight / weights.max()
-            three = drawn.theta[kept, TERMS : TERMS + EACH].T
-            filters = _filters(each.kinds.shaping or "", three, data.samples)
+            filters = _filters(each.kinds, drawn.theta[kept, SHAPE].T, data.samples)
             best = np.full(kept.sum(), each is likeliest)
             parts.append((drawn.power[kept], drawn.theta[kept], filters, best))
     power, theta, filtering, best = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Draws(power, theta, filtering, likeliest, best)
 
 
-def _filters(shaping: str, three: Float[np.ndarray, "three draws"], samples: Any):
-    cutoff, order = shape_of(shaping, three, samples)
-    none = np.zeros(three.shape[1])
-    droop = droop_of(three) if shaping in DROOPS else none
+def _filters(kinds: Kinds, four: Float[np.ndarray, "four draws"], samples: Any):
+    shaping = kinds.shaping or ""
+    cutoff, order = shape_of(shaping, four, samples)
+    none = np.zeros(four.shape[1])
+    droop = droop_of(four) if shaping in DROOPS else none
+    rippled = none, none
     if shaping in RIPPLED:
-        return np.stack([cutoff, none + poles(shaping), none, ripple_of(three), order], axis=1)
-    return np.stack([cutoff, order, droop, none, none], axis=1)
+        rippled, order = (ripple_of(four), order), none + poles(shaping)
+    floor = floor_of(four) if kinds.floored else none
+    return np.stack([cutoff, order, droop, *rippled, floor], axis=1)
 
 
 def _other_filters(model: Model, data: Data) -> list[Model]:
     """The same structure with filters of the other kinds."""
-    if model.kinds.shaping in RIPPLED:
-        # It is far from all but those of one pole more or less.
-        place = RIPPLED.index(model.kinds.shaping)
-        near = (RIPPLED[each] for each in (place - 1, place + 1) if 0 <= each < len(RIPPLED))
-        return best([(model.kinds._replace(shaping=each), model.theta) for each in near], data)
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
+    if model.kinds.shaping in RIPPLED:
+        # It is far from all but those of one pole more or less, and those on the other side.
+        own, near = poles(model.kinds.shaping), []
+        for kind in RIPPLED:
+            if abs(poles(kind) - own) <= 1 and kind != model.kinds.shaping:
+                theta = model.theta.copy()
+                place = free_filter(kind, cutoff, order, data.samples, three[0])
+                theta[TERMS : TERMS + EACH] = place
+                near.append((model.kinds._replace(shaping=kind), theta))
+        return best(near, data)
     alike = (*FREE_FILTERS, *TWO_POLES)
     if model.kinds.shaping in DROOPING:
         alike = DROOPING
@@ -131,7 +141,8 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
             elif kind in FREE_FILTERS:
                 droop = 0.0
             theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
-            starts.append((model.kinds._replace(shaping=kind), theta))
+            floored = model.kinds.floored and kind not in MEANS
+            starts.append((model.kinds._replace(shaping=kind, floored=floored), theta))
     found = best(starts, data)
     means = [each for each in found if each.kinds.shaping in MEANS]
     free_ones = [each for each in found if each.kinds.shaping not in MEANS]

@@ -14,6 +14,8 @@ from ._starts import (
     droop_starts,
     filter_starts,
     filtered_last,
+    floored_or_not,
+    floored_starts,
     highest,
     other_windows,
     rippled_starts,
@@ -56,6 +58,8 @@ def candidates(model: Model, data: Data, peaks: Peaks = ()) -> list[Candidate]:
         starts += filter_starts(model, data)
     if model.kinds.shaping in (*FREE_FILTERS, *TWO_POLES):
         starts += droop_starts(model, data)
+    if model.kinds.filtering:
+        starts += floored_starts(model, data)
     starts += filtered_last(starts)
     found = _compare(_promising(starts, data, _KEPT), model, data)
     strongest = max((each.gain for each in found), default=0.0)
@@ -146,7 +150,7 @@ def _promising(starts: list[Start], data: Data, kept: int) -> list[Start]:
 
 
 def _cost(model: Model, data: Data) -> float:
-    """The deviance, and a price if a filter takes quantization noise for what it passes.
+    """The deviance, a price of a floor, and one if a filter takes quantization for what it passes.
 
     A corner at the lowest frequency of all is none: quantization noise that is made flat beyond it
     takes the place of white noise.
@@ -159,24 +163,31 @@ def _cost(model: Model, data: Data) -> float:
     quantization, white = np.asarray(data.bins.expected)[data.bins.used][-1, :2]
     power = np.exp(model.theta[:2])
     needed = power[0] * quantization > _MUCH * power[1] * white
-    return model.deviance + (PRICE if needed else 0.0)
+    return model.deviance + PRICE * (needed + model.kinds.floored)
 
 
 def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     """A filter, or at once what it stands for: two poles, or an edge that is steeper."""
     found = _likelier(found, two_pole_starts(found.model, data), model, data, part=1.0)
+    floored = [start[1:] for start in floored_starts(found.model, data)]
+    found = _likelier(found, floored, model, data, part=0.5)
     # Lines would be made of what a wrong edge leaves. What a resonance leaves is no matter of
     # edges, and has its turn; but no window comes near the zeros of a running mean.
     part = 0.9 if found.model.kinds.shaping in MEANS else 0.5
-    found = _likelier(found, windowed_starts(found.model, data), model, data, part)
-    return _likelier(found, _ahead(rippled_starts(found.model, data), data), model, data, part)
+    for starts in (windowed_starts, rippled_starts):
+        leading = _ahead(starts(found.model, data), data)
+        either = floored_or_not(leading, found.model, data)
+        found = _likelier(found, either, model, data, part)
+    return found
 
 
 def _ahead(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[tuple[Kinds, np.ndarray]]:
-    """Those that lead after a few steps, where these have led."""
-    found = best(starts, data, _TRIAL, rough=True)
-    leading = sorted(found, key=lambda each: _cost(each, data))[:_KEPT]
-    return [(each.kinds, each.theta) for each in leading]
+    """Of each kind the one that leads after a few steps, of those kinds that do."""
+    found = sorted(best(starts, data, _TRIAL, rough=True), key=lambda each: _cost(each, data))
+    leading: dict[Kinds, np.ndarray] = {}
+    for each in found:
+        leading.setdefault(each.kinds, each.theta)
+    return [*leading.items()][:_KEPT]
 
 
 def _likelier(

@@ -14,8 +14,10 @@ from ._structure import (
     FLOOR,
     FREE_FILTERS,
     HIGH_PASS,
+    MEANS,
     RIPPLE,
     RIPPLED,
+    SHAPE,
     TERMS,
     TWO_POLES,
     WINDOWED,
@@ -24,6 +26,7 @@ from ._structure import (
     bounds,
     free,
     free_filter,
+    free_floor,
 )
 
 # Part of the density that a weak effect has where it is strongest.
@@ -38,6 +41,8 @@ _FOLDED = (0.62, 4.5)
 _BETWEEN, _WIDER = 20.0, (1.0, 1.25, 1.6)
 # Of filters that have ripple, in dB.
 _RIPPLES, _ATTENUATIONS = (1e-8, 0.03, 0.6), (40.0, 80.0)
+# A floor is read off so many bins.
+_LOWEST_BINS = 8
 # To a peak and to poles apart: free droops to begin with.
 _DROOPS = (-1.0, 1.5)
 
@@ -159,6 +164,42 @@ def two_pole_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     return starts if model.kinds.shaping in FREE_FILTERS else []
 
 
+def floored_starts(model: Model, data: Data) -> list[Start]:
+    """The filter that the model has, with white noise behind it; steeper, if its order is free."""
+    kinds, (cutoff, order) = model.kinds, shaping_shape(model, data)
+    shapes = [(kinds.shaping or "", order)]
+    if kinds.shaping in FREE_FILTERS:
+        shapes = [*itertools.product(FREE_FILTERS, (order, 2 * order))]
+    starts = []
+    for kind, each in () if kinds.floored or kinds.shaping in MEANS else shapes:
+        theta = model.theta.copy()
+        three = free_filter(kind, cutoff, each, data.samples, theta[TERMS])
+        theta[TERMS : TERMS + EACH] = three
+        shaped = kinds._replace(shaping=kind)
+        starts.append(("floor", *_floored(shaped, theta, model, data)))
+    return starts
+
+
+def _floored(kinds: Kinds, theta: np.ndarray, model: Model, data: Data) -> tuple[Kinds, np.ndarray]:
+    """The same with a floor where the spectrum is lowest, and no quantization in its place."""
+    lowest = np.sort(data.bins.density[data.bins.used])[:_LOWEST_BINS].mean()
+    theta = theta.copy()
+    theta[0], theta[SHAPE.stop - 1] = FLOOR, free_floor(lowest / (2 * np.exp(model.theta[1])))
+    return kinds._replace(floored=True), theta
+
+
+def floored_or_not(
+    starts: list[tuple[Kinds, np.ndarray]], model: Model, data: Data
+) -> list[tuple[Kinds, np.ndarray]]:
+    """Filters beside the terms of a model, each with white noise behind it and without."""
+    every = []
+    for kinds, theta in starts:
+        bare = theta.copy()
+        bare[SHAPE.stop - 1] = FLOOR
+        every += [(kinds._replace(floored=False), bare), _floored(kinds, theta, model, data)]
+    return every
+
+
 def windowed_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     """The filter that the model has, with an edge as steep as it asks for."""
     cutoff, order = shaping_shape(model, data)
@@ -177,7 +218,9 @@ def rippled_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
     starts = []
     shapes = itertools.product(RIPPLED, _RIPPLES, _ATTENUATIONS)
-    for kind, ripple, attenuation in shapes if poor and cutoff < 0.45 else ():
+    for kind, ripple, attenuation in shapes if poor else ():
+        if cutoff > 0.9 * bounds(kind, data.samples)[0][1]:
+            continue
         theta = model.theta.copy()
         level = free(ripple, *RIPPLE)
         theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, attenuation, data.samples, level)
@@ -223,5 +266,5 @@ def bump_starts(model: Model, data: Data) -> list[Start]:
 
 
 def _shaping_start(name: str, three: list[float], model: Model) -> Start:
-    theta = np.concatenate([model.theta[:TERMS], three, model.theta[TERMS:]])
+    theta = np.concatenate([model.theta[:TERMS], three, [FLOOR], model.theta[TERMS:]])
     return name, model.kinds._replace(shaping=name), theta

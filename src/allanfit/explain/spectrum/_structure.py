@@ -7,9 +7,9 @@ sample. The expected density is
     bump(f) (H(f) (N + B + K) + Q + foreign + added noises),
 
 with the filter H in front of the converter, whose angle quantization it does not see; aliases of
-what passes are in it. A filter behind the converter passes H(f) Q instead, and one that comes last
-the added noises as well. `foreign` is white noise
-of known size that does not belong to N, and that no filter sees.
+what passes are in it. A part of N may be a floor, which comes in behind the filter. A filter behind
+the converter passes H(f) Q instead, and one that comes last the added noises as well. `foreign` is
+white noise of known size that does not belong to N, and that no filter sees.
 """
 
 from typing import Any, NamedTuple
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy.special
 from jaxtyping import Array, Bool, Float
 
 from ...physics import (
@@ -52,14 +53,19 @@ RUNNING_MEAN, OVERSAMPLED = "running_mean", "oversampled_mean"
 MEANS = (RUNNING_MEAN, OVERSAMPLED)
 #: Behind it too, with an edge as steep as a long response makes it.
 WINDOWED = "windowed_low_pass"
-#: Behind it too, elliptic filters of such orders; one program serves all of these.
-EQUIRIPPLE = "equiripple"
-RIPPLED = tuple(f"{EQUIRIPPLE}_{order}" for order in range(2, MOST_POLES + 1))
+#: Behind it and in front of it, elliptic filters of such orders; one program serves all orders.
+EQUIRIPPLE, ANALOGUE_EQUIRIPPLE = "equiripple", "analogue_equiripple"
+RIPPLED = tuple(
+    f"{kind}_{order}"
+    for kind in (EQUIRIPPLE, ANALOGUE_EQUIRIPPLE)
+    for order in range(2, MOST_POLES + 1)
+)
 #: What has no name: a bump about one frequency, or a lack toward zero.
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
 UNNAMED = ("bump", HIGH_PASS, FLAT)
-FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED, EQUIRIPPLE, *RIPPLED)
+EQUIRIPPLES = (EQUIRIPPLE, ANALOGUE_EQUIRIPPLE)
+FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED, *EQUIRIPPLES, *RIPPLED)
 #: Noises of one narrow band.
 NARROW = ("resonance", "drifting_line")
 #: In dB. Inverse Chebyshev filters have none: their corner is far beyond the edge of a pass band
@@ -68,7 +74,12 @@ RIPPLE = (1e-12, 3.0)
 TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
+#: Of what shapes the spectrum how it droops, or has ripple, in place of a size; and its floor.
+SHAPE = slice(TERMS, TERMS + EACH + 1)
+_SHAPING = EACH + 1
 FLOOR = -60.0
+# Behind a filter; more of the white noise is no floor but most of it.
+_HIGHEST_FLOOR = 0.9
 # The mean of two squared normal variates is above the exponential of this once in a hundred times.
 _TWO_ENDS = 1.6
 
@@ -76,7 +87,8 @@ _TWO_ENDS = 1.6
 class Kinds(NamedTuple):
     """What a structure holds.
 
-    Its parameters are the log powers of Q, N, B, K, then three numbers of each effect.
+    Its parameters are the log powers of Q, N, B, K, then four numbers of what shapes the spectrum
+    and three of each added noise.
     """
 
     #: One of `FILTERS`, of `UNNAMED`, or none.
@@ -85,11 +97,13 @@ class Kinds(NamedTuple):
     added: tuple[str, ...] = ()
     #: Whether the filter comes last, so that added noises pass it as well.
     last: bool = False
+    #: Whether white noise comes in behind the filter.
+    floored: bool = False
 
     @property
     def first_slot(self) -> int:
         """Where the parameters of the first added noise begin."""
-        return TERMS + EACH * (self.shaping is not None)
+        return TERMS + _SHAPING * (self.shaping is not None)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -132,20 +146,20 @@ class Data(NamedTuple):
 def without_droop(shaping: str) -> str:
     """The filter of the same place that does not droop, of any ripple; anything else as it is."""
     if shaping in RIPPLED:
-        return EQUIRIPPLE
+        return shaping.rpartition("_")[0]
     return shaping.removeprefix(_DROOPING).removeprefix(_TWO_POLES)
 
 
-def with_order(shaping: str, threes: Any) -> Any:
+def with_order(shaping: str, fours: Any) -> Any:
     """Free parameters of a filter, of some starts, and the order of one that has ripple."""
     if shaping not in RIPPLED:
-        return threes
-    return np.pad(threes, ((0, 0), (0, 1)), constant_values=poles(shaping))
+        return fours
+    return np.pad(fours, ((0, 0), (0, 1)), constant_values=poles(shaping))
 
 
 def poles(shaping: str) -> float:
     """The order of a filter that has ripple."""
-    return float(shaping.removeprefix(f"{EQUIRIPPLE}_"))
+    return float(shaping.rpartition("_")[2])
 
 
 def ripple_of(three: Any) -> Float[Array, "..."]:
@@ -158,18 +172,36 @@ def droop_of(three: Any) -> Float[Array, "..."]:
     return 1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3))
 
 
-def sieve(shaping: str, three: Any, samples: Any) -> LowPass:
-    """A filter from its three free parameters, the first of which says how it droops if it does."""
+def floor_of(four: Any) -> Float[Array, "..."]:
+    """White noise that comes in behind a filter, over all that there is at zero frequency [dB]."""
+    return 10 / np.log(10) * (jax.nn.log_sigmoid(four[EACH]) + np.log(_HIGHEST_FLOOR))
+
+
+def free_floor(part: float) -> float:
+    """The free parameter of a floor that is such a part of the white power."""
+    return float(scipy.special.logit(min(part / _HIGHEST_FLOOR, 0.99)))
+
+
+def sieve(shaping: str, four: Any, samples: Any) -> LowPass:
+    """A filter from its four free parameters, the first of which says how it droops if it does."""
     kind = without_droop(shaping)
-    if kind == EQUIRIPPLE:
-        cutoff, attenuation = shape_of(kind, three, samples)
-        order = three[EACH] if shaping == EQUIRIPPLE else jnp.asarray(poles(shaping))
-        ripple = ripple_of(three)
-        return LowPass(cutoff, order, ripple=ripple, attenuation=attenuation, digital=True)
+    floor = None if kind in MEANS else floor_of(four)
+    if kind in EQUIRIPPLES:
+        cutoff, attenuation = shape_of(kind, four, samples)
+        order = four[_SHAPING] if shaping == kind else jnp.asarray(poles(shaping))
+        return LowPass(
+            cutoff,
+            order,
+            ripple=ripple_of(four),
+            attenuation=attenuation,
+            floor=floor,
+            digital=kind == EQUIRIPPLE,
+        )
     return LowPass(
-        *shape_of(kind, three, samples),
+        *shape_of(kind, four, samples),
         # A droop of nothing too: one program serves filters that droop and those that do not.
-        droop=None if kind in (*MEANS, WINDOWED) else droop_of(three),
+        droop=None if kind in (*MEANS, WINDOWED) else droop_of(four),
+        floor=floor,
         digital=kind == "digital_low_pass",
         averaged=kind == "averaged_low_pass",
         recursive=kind == RECURSIVE,
@@ -199,6 +231,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         WINDOWED: ((0.01, 0.49), (8.0, 500.0)),
         # The attenuation.
         EQUIRIPPLE: ((0.01, 0.49), (15.0, 150.0)),
+        ANALOGUE_EQUIRIPPLE: ((0.01, 1.0), (15.0, 150.0)),
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
         # Flanks are seen where they are some bins apart, of which 48 make a decade.
         FLAT: ((2 / samples, 0.5), (0.1, 3.0)),
@@ -275,27 +308,31 @@ def added_density(
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
 
 
-def shaped(shaping: str | None, three: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
-    """|H|^2 with aliases of white noise, |H|^2 itself, the bump; one where there is none."""
+def shaped(shaping: str | None, four: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
+    """What white noise is multiplied by, with aliases and a floor, |H|^2 itself, and the bump.
+
+    One where there is none.
+    """
     middle = jnp.asarray(nodes)[:, 1]
     if shaping in FILTERS:
-        found = sieve(shaping, three, samples)
-        if found.after_converter or shaping == OVERSAMPLED:
-            # What is before it, averaged over each bin: zeros are narrower than bins.
+        found = sieve(shaping, four, samples)
+        if found.after_converter:
+            # Averaged over each bin: zeros are narrower than bins.
             passed = averaged(found.passed(jnp.asarray(nodes), 1.0))
-            folded = passed
-            if shaping == OVERSAMPLED:
-                folded = averaged(found.gain(jnp.asarray(nodes), 1.0))
-            return folded, passed, jnp.ones_like(middle)
+            return found.raised(passed), passed, jnp.ones_like(middle)
+        if shaping in (OVERSAMPLED, ANALOGUE_EQUIRIPPLE):
+            # An edge may be as steep as a bin is wide, too.
+            either = found.gain(jnp.asarray(nodes), 1.0), found.passed(jnp.asarray(nodes), 1.0)
+            return *map(averaged, either), jnp.ones_like(middle)
         return found.gain(middle, 1.0), found.passed(middle, 1.0), jnp.ones_like(middle)
     if shaping in UNNAMED:
         high_pass = shaping == HIGH_PASS
-        where = shape_of(shaping, three, samples)
-        height, flat = jnp.tanh(three[0] / 6) * 6, shaping == FLAT
+        where = shape_of(shaping, four, samples)
+        height, flat = jnp.tanh(four[0] / 6) * 6, shaping == FLAT
         gain = Bump(height, *where, high_pass=high_pass, flat=flat).gain(middle, 1.0)
         if high_pass:
             # Two ends leak it, and their squares are up to some times their mean.
-            gain += end_leakage(*where) / samples * jnp.exp(_TWO_ENDS * jnp.tanh(three[0]))
+            gain += end_leakage(*where) / samples * jnp.exp(_TWO_ENDS * jnp.tanh(four[0]))
         return jnp.ones_like(middle), jnp.ones_like(middle), gain
     return jnp.ones_like(middle), jnp.ones_like(middle), jnp.ones_like(middle)
 
@@ -380,6 +417,8 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
         if name == "low_pass":
             free = [kinds.shaping in (*DROOPS, *RIPPLED)]
             free += [kinds.shaping not in MEANS]
-            free += [kinds.shaping not in (*MEANS, *TWO_POLES)]
+            free += [kinds.shaping not in (*MEANS, *TWO_POLES), kinds.floored]
+        elif name == "bump":
+            free += [False]
         flags += free
     return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])

@@ -9,7 +9,7 @@ from ...recording._checks import usable
 from .._effect import Effect
 from .._intervals import runs
 from .._state import Finding, Investigation
-from ..spectrum._structure import EACH, FILTERS, TERMS, sieve
+from ..spectrum._structure import FILTERS, SHAPE, sieve
 from ._losses import Lost
 
 #: What is certain from the values alone is still only as certain as this, and a line.
@@ -67,7 +67,7 @@ def _held_of_white(state: Investigation) -> float:
     """How many times as large N is at low frequency, the filter before it considered."""
     shaping, before = state.model.kinds.shaping, None
     if shaping in FILTERS:
-        before = sieve(shaping, state.model.theta[TERMS : TERMS + EACH], state.data.samples)
+        before = sieve(shaping, state.model.theta[SHAPE], state.data.samples)
     return held_factor(state.data.repeat, False, before)
 
 
