@@ -20,10 +20,13 @@ from allanfit.explain.spectrum._ordinates import (
     ordinates,
 )
 from allanfit.explain.spectrum._structure import (
+    ADDED,
+    FLOOR,
     Data,
     Kinds,
     bounds,
     free,
+    free_floor,
     held_rows,
     shape_of,
 )
@@ -41,9 +44,9 @@ def data_of(values: np.ndarray) -> Data:
 def theta_of(name: str, size: float, first: float, second: float) -> np.ndarray:
     limits = bounds(name, float(SAMPLES))
     terms = np.log([1e-12, 1.0, 1e-12, 1e-12])
-    return np.concatenate(
-        [terms, [np.log(size), free(first, *limits[0]), free(second, *limits[1])]]
-    )
+    three = [np.log(size), free(first, *limits[0]), free(second, *limits[1])]
+    # Of what shapes the spectrum the floor comes after these.
+    return np.concatenate([terms, three, [] if name in ADDED else [FLOOR]])
 
 
 @pytest.mark.parametrize(
@@ -57,6 +60,14 @@ def theta_of(name: str, size: float, first: float, second: float) -> np.ndarray:
         (Kinds("averaged_low_pass"), theta_of("averaged_low_pass", 1.0, 0.6, 2.0)),
         (Kinds("digital_low_pass"), theta_of("digital_low_pass", 1.0, 0.2, 2.0)),
         (Kinds("bump"), theta_of("bump", 2.0, 0.05, 0.3)),
+        (
+            Kinds("digital_low_pass", floored=True),
+            np.append(theta_of("digital_low_pass", 1.0, 0.2, 2.0)[:-1], free_floor(0.01)),
+        ),
+        (
+            Kinds("analogue_equiripple_4", floored=True),
+            np.append(theta_of("analogue_equiripple_4", 1.0, 0.2, 40.0)[:-1], free_floor(0.01)),
+        ),
     ],
 )
 @pytest.mark.parametrize("repeat", [1.0, 1.6])
@@ -286,11 +297,12 @@ def test_a_structure_keeps_its_shapes_in_a_record_of_another_length():
         ]
         for name, shape in zip(names, shapes, strict=True)
     ]
+    three[0].append(FLOOR)
     model = Model(kinds, np.concatenate([np.zeros(4), *three]), 0.0)
     moved = of_samples(model, samples, samples._replace(samples=fewer)).theta
     assert np.any(np.abs(moved - model.theta) > 1e-3)
-    for place, (name, shape) in enumerate(zip(names, shapes, strict=True)):
-        three = moved[4 + 3 * place :][:3]
+    for begin, name, shape in zip((4, 8, 11), names, shapes, strict=True):
+        three = moved[begin:][:3]
         assert three[0] == 1.0
         np.testing.assert_allclose(shape_of(name, three, fewer), shape, rtol=1e-6)
 
