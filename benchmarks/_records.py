@@ -11,12 +11,14 @@ from allanfit.report import write_json
 
 
 def record_options(
-    about: str | None, records: int, arguments: Sequence[str] | None
+    about: str | None, records: int, arguments: Sequence[str] | None, *switches: str
 ) -> argparse.Namespace:
-    """How many `records`, and the folder of the `output`; double precision from here on."""
+    """How many `records`, the folder of the `output`, and `switches`; in double precision."""
     parser = argparse.ArgumentParser(description=about)
     parser.add_argument("--records", type=int, default=records)
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results"))
+    for switch in switches:
+        parser.add_argument(f"--{switch}", action="store_true")
     jax.config.update("jax_enable_x64", True)
     return parser.parse_args(arguments)
 
