@@ -103,6 +103,17 @@ def test_held_samples_are_found(repeat, archive):
     assert stated == pytest.approx(100 * (1 - 1 / repeat), rel=0.02, abs=0.3)
 
 
+def test_few_values_that_fill_in_for_lost_ones_are_counted(archive):
+    """Sixty of noise with codes of a billionth, of which chance makes no two alike."""
+    filled = rounded(white(), 1e-9)
+    at = np.arange(1, 61) * (SIZE // 80)
+    filled[at] = filled[at - 1]
+    (finding,) = findings(filled, archive)
+    assert finding.startswith(f"60 of the {SIZE} samples are exactly the one before")
+    # Half as many neighbours are alike by rounding to a ten-thousandth, and nothing is said.
+    assert findings(rounded(white(), 1e-4), archive) == ()
+
+
 def test_held_samples_are_found_among_coarse_codes(archive):
     held = rounded(white()[np.arange(SIZE) // 2], 0.7)
     (finding,) = findings(held, archive)

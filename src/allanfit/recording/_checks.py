@@ -34,6 +34,8 @@ _IN_CODE, _BEYOND, _DEVIATIONS = 50, 1.3, 5.0
 _AT_CODE, _NEAR, _ALIKE = 0.02, 8.0, 0.95
 # Of repeats in a dead band as many are of one value.
 _NEARLY_ALL = 0.8
+# So many repeats beyond chance, and as many of its deviations, are none of chance, though few.
+_FEWEST_REPEATS, _CLEARLY = 10, 7.0
 _WINDOW = 64
 
 
@@ -273,6 +275,8 @@ class Repeats(NamedTuple):
     beyond: bool
     #: The one value at which it is beyond chance, as within a dead band; NaN if there is none.
     dead: float = np.nan
+    #: Whether there are few, but by far more than chance makes: a logger filled in for others.
+    few: bool = False
 
 
 def repeated(
@@ -310,7 +314,10 @@ def repeated(
     inner, outer = np.mean(step_codes**2, axis=1)
     likely = near * (near / far) ** (inner / (outer - inner)) if far > 0 else most
     held = bool(beyond) and not np.isfinite(dead)
-    return Repeats(float(repeats), float(min(likely, most)), float(most), held, dead)
+    chance = most * values.size
+    clear = max(1.5 * chance, chance + _CLEARLY * chance**0.5 + _FEWEST_REPEATS)
+    few = not beyond and repeats * values.size >= clear
+    return Repeats(float(repeats), float(min(likely, most)), float(most), held, dead, bool(few))
 
 
 def _one_value(again: Float64[np.ndarray, " repeats"]) -> float:
@@ -329,6 +336,13 @@ def _about_repeats(
             f"{quantity(found.dead, unit)}, many more than are near it: values within a dead band "
             "come out as one, and N is not that of the sensor. Switch the dead band off, or record "
             "what is before it.",
+        )
+    if found.few:
+        return (
+            f"{np.count_nonzero(np.diff(values) == 0)} of the {values.size} samples are exactly "
+            f"the one before, where chance explains {found.most_by_chance * values.size:.0f} at "
+            "most: a logger repeats a value when it has no fresh one. Time stamps do not tell of "
+            "samples that were lost so.",
         )
     if not found.beyond:
         return ()
