@@ -286,6 +286,24 @@ def test_the_square_of_temperature_is_told():
     assert "not temperature but the square" in effect["sentence"]
 
 
+def test_k_beside_a_swing_of_temperature_is_a_limit():
+    """A room that swings every quarter of an hour wanders too, which was K and nothing else."""
+    rng, rate = np.random.default_rng(24), 20.0
+    time = np.arange(72_000) / rate
+    room = np.sin(2 * np.pi * time / 900) + 0.003 * np.cumsum(rng.standard_normal(time.size))
+    values = rng.standard_normal(time.size) + 0.6 * room
+    recording = allanfit.recording_of(values, rate_hz=rate, unit="deg/s")
+    (found,) = explain_recording(recording, posterior=False).to_dict()["channels"]
+    (effect,) = found["effects"]
+    assert effect["name"] == "temperature"
+    assert effect["parameters"]["time_scale"]["value"] == pytest.approx(900, rel=0.05)
+    walk = found["coefficients_after"]["K"]
+    assert not walk["resolved"]
+    low, high = walk["intervals"]["0.95"]
+    # Of a step in a sample, over the root of the sampling interval.
+    assert low == 0 < 0.6 * 0.003 * rate**0.5 < high
+
+
 def test_a_resonance_of_averaged_samples_has_the_size_that_it_had_before(tmp_path):
     """Means over an interval leave sin(x)/x of it, x = pi f dt: .79 at 0.38 of the rate."""
     rng, parts = np.random.default_rng(12), 16

@@ -1,5 +1,7 @@
 """The coefficients with what was left out in the model: a fit like any other."""
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -12,13 +14,16 @@ from ..curves._design import RAMP_MODES
 from ..curves._spectrum import ramp_coefficients
 from ..identify import Fit
 from ..identify._ramp import RampData, draw_ramps
+from ._effect import Effect
 from ._state import Investigation
 from .spectrum._model import rise_without
 from .spectrum._posterior import Draws
 from .values._clipped import rails
 
 
-def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
+def fit_after(
+    fit: Fit, state: Investigation, draws: Draws, effects: Sequence[Effect], seed: int
+) -> Fit:
     """The five-term `fit` with the coefficients of the better model in place of its own."""
     dt = state.stride / float(fit.rate_hz)
     scale = np.array(unit_scale(dt), float)
@@ -36,6 +41,9 @@ def fit_after(fit: Fit, state: Investigation, draws: Draws, seed: int) -> Fit:
     rises = np.array(
         [rise_without(k, state.model, state.data) if terms[k] else 0.0 for k in range(4)]
     )
+    if any(effect.unmeasured for effect in effects):
+        # What swings wanders as well, which nobody can tell from a walk of the sensor's own.
+        rises[3] = 0.0
     dtype = fit.estimate.draws.dtype
     joined = np.concatenate([np.sqrt(power), ramps[:, None]], axis=1) * scale
     least = np.append(np.sqrt(best), np.median(ramps)) * scale

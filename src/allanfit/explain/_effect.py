@@ -53,6 +53,11 @@ class Effect:
     #: Whether the temperature beside the sensor is known.
     felt: bool = False
 
+    @property
+    def unmeasured(self) -> bool:
+        """Whether it is a swing of temperature that nobody has measured."""
+        return "time_scale" in self.parameters and not self.felt
+
     def value(self, name: str) -> float:
         """What is told of a parameter, mostly its median."""
         return self.told.get(name, float(np.median(self.parameters[name])))

@@ -147,7 +147,8 @@ def _explain_channel(
         replace(effect, felt=bool(drivers))
         for effect in effects_of(state, draws, state.stride * dt, seed)
     )
-    after = fit_after(fit, state, averaged(state, draws, seed, quick=not posterior), seed)
+    draws = averaged(state, draws, seed, quick=not posterior)
+    after = fit_after(fit, state, draws, effects, seed)
     score = held_out(
         state.spectrum,
         state.moved,

@@ -62,7 +62,8 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
             + (
                 "the one that was recorded does not tell all of it."
                 if effect.felt
-                else "no temperature was recorded to tell."
+                else "no temperature was recorded to tell. What a temperature does beside a swing "
+                "looks like K, which is a limit."
             )
         ),
         "warm_up": lambda: (
