@@ -10,6 +10,7 @@ from scipy.signal import butter, fftconvolve, freqz, lfilter
 
 from allanfit.explain.spectrum._climb import climb, rescale
 from allanfit.explain.spectrum._density import expected_density, log_slopes, noise_at, parts
+from allanfit.explain.spectrum._holding import held_rows
 from allanfit.explain.spectrum._model import Model, best, of_samples
 from allanfit.explain.spectrum._ordinates import (
     LEAKAGE_GRID,
@@ -27,7 +28,6 @@ from allanfit.explain.spectrum._structure import (
     bounds,
     free,
     free_floor,
-    held_rows,
     shape_of,
 )
 from allanfit.physics import DriftingLine, GaussMarkov, PowerLaw, Resonance

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ._density import Starts, densities_and_slopes, log_slopes, parts, powers
-from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active, foreign, held_rows
+from ._holding import foreign, held_rows
+from ._structure import EACH, FLOOR, TERMS, Data, Kinds, active
 
 MOST_STEPS = 60
 # Less than this in twice the log-likelihood is as good as nothing.

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ...compilation import quick_to_compile
+from ._holding import changing, foreign, held_rows, late_part
 from ._ordinates import points
 from ._structure import (
     EACH,
@@ -26,10 +27,6 @@ from ._structure import (
     Kinds,
     active,
     added_density,
-    changing,
-    foreign,
-    held_rows,
-    late_part,
     shaped,
     with_order,
     without_droop,

@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from ...identify._posterior import _ABSENCE
 from .._chance import PRICE
 from ._density import log_slopes, parts, summed
+from ._holding import foreign, held_rows
 from ._model import Model, best, rise_without
 from ._running_mean import nearest_running_means, running_means
 from ._structure import (
@@ -34,9 +35,7 @@ from ._structure import (
     active,
     droop_of,
     floor_of,
-    foreign,
     free_filter,
-    held_rows,
     poles,
     ripple_of,
     shape_of,
