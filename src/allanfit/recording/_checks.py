@@ -339,7 +339,7 @@ def _about_repeats(
         )
     if found.few:
         return (
-            f"{np.count_nonzero(np.diff(values) == 0)} of the {values.size} samples are exactly "
+            f"{found.share * values.size:.0f} of the {values.size} samples are exactly "
             f"the one before, where chance explains {found.most_by_chance * values.size:.0f} at "
             "most: a logger repeats a value when it has no fresh one. Time stamps do not tell of "
             "samples that were lost so.",

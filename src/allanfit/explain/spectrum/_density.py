@@ -22,6 +22,7 @@ from ._structure import (
     FLOOR,
     MEANS,
     SHAPE,
+    SHAPING,
     TERMS,
     Data,
     Kinds,
@@ -220,12 +221,12 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     if kinds.shaping in MEANS:
         gains = _held(_evaluated(_gains, *asked), data)
         # Of whole numbers there is nothing to climb along.
-        return gains, tuple(np.zeros((*theta[:, SHAPE].shape, each.shape[1])) for each in gains)
+        return gains, tuple(np.zeros((len(each), SHAPING, each.shape[1])) for each in gains)
     if not slopes and len(theta) > TOGETHER:
         return _held(_evaluated(_gains, *asked), data), None
     derivatives, gains = _evaluated(_gain_slopes, *asked)
     # The order of one that has ripple is no free parameter.
-    derivatives = tuple(each[:, : theta[:, SHAPE].shape[1]] for each in derivatives)
+    derivatives = tuple(each[:, :SHAPING] for each in derivatives)
     return _held(gains, data), _held(derivatives, data)
 
 

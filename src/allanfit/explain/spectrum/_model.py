@@ -6,7 +6,7 @@ import numpy as np
 
 from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
 from ._density import TOGETHER, expected_density
-from ._structure import EACH, SHAPE, TERMS, Data, Kinds, bounds, free, shape_of
+from ._structure import EACH, SHAPE, TERMS, Data, Kinds, bounds, free, free_filter, shape_of
 
 # Less than this in a step, and another start of the same name is ahead or soon will be; so it is
 # with such a part of what a poor model leaves beyond one a bin.
@@ -113,6 +113,15 @@ def shaping_shape(model: Model, data: Data) -> tuple[float, float]:
     three = model.theta[TERMS : TERMS + EACH]
     cutoff, order = shape_of(model.kinds.shaping or "", three, data.samples)
     return float(cutoff), float(order)
+
+
+def reshaped(
+    model: Model, kind: str, cutoff: float, order: float, data: Data, droop: float = 0.0
+) -> tuple[Kinds, np.ndarray]:
+    """Where a climb begins from the model with a filter of another kind or shape; floors stay."""
+    theta = model.theta.copy()
+    theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
+    return model.kinds._replace(shaping=kind), theta
 
 
 def rise_without(term: int, model: Model, data: Data) -> float:

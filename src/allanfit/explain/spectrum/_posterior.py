@@ -15,7 +15,7 @@ from ...identify._posterior import _ABSENCE
 from .._chance import PRICE
 from ._density import log_slopes, parts, summed
 from ._holding import foreign, held_rows
-from ._model import Model, best, rise_without
+from ._model import Model, best, reshaped, rise_without
 from ._running_mean import nearest_running_means, running_means
 from ._structure import (
     DROOPING,
@@ -35,7 +35,6 @@ from ._structure import (
     active,
     droop_of,
     floor_of,
-    free_filter,
     poles,
     ripple_of,
     shape_of,
@@ -114,13 +113,12 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     cutoff, order = map(float, shape_of(model.kinds.shaping or "", three, data.samples))
     if model.kinds.shaping in RIPPLED:
         # It is far from all but those of one pole more or less, and those on the other side.
-        own, near = poles(model.kinds.shaping), []
-        for kind in RIPPLED:
-            if abs(poles(kind) - own) <= 1 and kind != model.kinds.shaping:
-                theta = model.theta.copy()
-                place = free_filter(kind, cutoff, order, data.samples, three[0])
-                theta[TERMS : TERMS + EACH] = place
-                near.append((model.kinds._replace(shaping=kind), theta))
+        own = poles(model.kinds.shaping)
+        near = [
+            reshaped(model, kind, cutoff, order, data, three[0])
+            for kind in RIPPLED
+            if abs(poles(kind) - own) <= 1 and kind != model.kinds.shaping
+        ]
         return best(near, data)
     alike = (*FREE_FILTERS, *TWO_POLES)
     if model.kinds.shaping in DROOPING:
@@ -134,14 +132,13 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
     starts = []
     for kind, cutoff, order in tried:
         if kind != model.kinds.shaping:
-            theta, droop = model.theta.copy(), model.theta[TERMS]
+            droop = model.theta[TERMS]
             if kind in TWO_POLES:
                 order, droop = 2.0, droop or _APART
             elif kind in FREE_FILTERS:
                 droop = 0.0
-            theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
-            floored = model.kinds.floored and kind not in MEANS
-            starts.append((model.kinds._replace(shaping=kind, floored=floored), theta))
+            kinds, theta = reshaped(model, kind, cutoff, order, data, droop)
+            starts.append((kinds._replace(floored=kinds.floored and kind not in MEANS), theta))
     found = best(starts, data)
     means = [each for each in found if each.kinds.shaping in MEANS]
     free_ones = [each for each in found if each.kinds.shaping not in MEANS]

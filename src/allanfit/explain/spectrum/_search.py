@@ -59,7 +59,7 @@ def candidates(model: Model, data: Data, peaks: Peaks = ()) -> list[Candidate]:
     if model.kinds.shaping in (*FREE_FILTERS, *TWO_POLES):
         starts += droop_starts(model, data)
     if model.kinds.filtering:
-        starts += floored_starts(model, data)
+        starts += [("floor", *start) for start in floored_starts(model, data)]
     starts += filtered_last(starts)
     found = _compare(_promising(starts, data, _KEPT), model, data)
     strongest = max((each.gain for each in found), default=0.0)
@@ -169,8 +169,7 @@ def _cost(model: Model, data: Data) -> float:
 def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     """A filter, or at once what it stands for: two poles, or an edge that is steeper."""
     found = _likelier(found, two_pole_starts(found.model, data), model, data, part=1.0)
-    floored = [start[1:] for start in floored_starts(found.model, data)]
-    found = _likelier(found, floored, model, data, part=0.5)
+    found = _likelier(found, floored_starts(found.model, data), model, data, part=0.5)
     # Lines would be made of what a wrong edge leaves. What a resonance leaves is no matter of
     # edges, and has its turn; but no window comes near the zeros of a running mean.
     part = 0.9 if found.model.kinds.shaping in MEANS else 0.5

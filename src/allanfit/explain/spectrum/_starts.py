@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from ._density import noise_density
-from ._model import Model, mean_density, shaping_shape
+from ._model import Model, mean_density, reshaped, shaping_shape
 from ._running_mean import running_means
 from ._structure import (
     DROOPING,
@@ -147,24 +147,20 @@ def droop_starts(model: Model, data: Data) -> list[Start]:
     starts = []
     cutoff, order = shaping_shape(model, data)
     for kind, droop in itertools.product(DROOPING, _DROOPS):
-        theta = model.theta.copy()
-        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, order, data.samples, droop)
-        starts.append(("droop", model.kinds._replace(shaping=kind), theta))
+        starts.append(("droop", *reshaped(model, kind, cutoff, order, data, droop)))
     return starts + [("droop", *start) for start in windowed_starts(model, data)]
 
 
 def two_pole_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     """The filter that the model has, if its order is free, as one of two poles."""
-    starts = []
-    for kind, droop in itertools.product(TWO_POLES, _DROOPS):
-        theta = model.theta.copy()
-        cutoff, _ = shaping_shape(model, data)
-        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, 2.0, data.samples, droop)
-        starts.append((model.kinds._replace(shaping=kind), theta))
-    return starts if model.kinds.shaping in FREE_FILTERS else []
+    if model.kinds.shaping not in FREE_FILTERS:
+        return []
+    cutoff, _ = shaping_shape(model, data)
+    shapes = itertools.product(TWO_POLES, _DROOPS)
+    return [reshaped(model, kind, cutoff, 2.0, data, droop) for kind, droop in shapes]
 
 
-def floored_starts(model: Model, data: Data) -> list[Start]:
+def floored_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     """The filter that the model has, with white noise behind it; steeper, if its order is free."""
     kinds, (cutoff, order) = model.kinds, shaping_shape(model, data)
     shapes = [(kinds.shaping or "", order)]
@@ -172,11 +168,8 @@ def floored_starts(model: Model, data: Data) -> list[Start]:
         shapes = [*itertools.product(FREE_FILTERS, (order, 2 * order))]
     starts = []
     for kind, each in () if kinds.floored or kinds.shaping in MEANS else shapes:
-        theta = model.theta.copy()
-        three = free_filter(kind, cutoff, each, data.samples, theta[TERMS])
-        theta[TERMS : TERMS + EACH] = three
-        shaped = kinds._replace(shaping=kind)
-        starts.append(("floor", *_floored(shaped, theta, model, data)))
+        shaped = reshaped(model, kind, cutoff, each, data, model.theta[TERMS])
+        starts.append(_floored(*shaped, model, data))
     return starts
 
 
@@ -206,9 +199,7 @@ def windowed_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     poor = model.deviance > _POOR * np.count_nonzero(data.bins.used)
     starts = []
     for taps in _WINDOWS if (order > _STEEP or poor) and cutoff < 0.5 else ():
-        theta = model.theta.copy()
-        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, cutoff, taps, data.samples)
-        starts.append((model.kinds._replace(shaping=WINDOWED), theta))
+        starts.append(reshaped(model, WINDOWED, cutoff, taps, data))
     return starts
 
 
@@ -221,10 +212,7 @@ def rippled_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     for kind, ripple, attenuation in shapes if poor else ():
         if cutoff > 0.9 * bounds(kind, data.samples)[0][1]:
             continue
-        theta = model.theta.copy()
-        level = free(ripple, *RIPPLE)
-        theta[TERMS : TERMS + EACH] = free_filter(kind, cutoff, attenuation, data.samples, level)
-        starts.append((model.kinds._replace(shaping=kind), theta))
+        starts.append(reshaped(model, kind, cutoff, attenuation, data, free(ripple, *RIPPLE)))
     return starts
 
 
@@ -233,12 +221,10 @@ def other_windows(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     cutoff, _ = shaping_shape(model, data)
     starts = []
     for wider, taps in itertools.product(_WIDER, (*_WINDOWS, _BETWEEN)):
-        theta = model.theta.copy()
+        kinds, theta = reshaped(model, WINDOWED, min(wider * cutoff, 0.45), taps, data)
         # What another filter needed of it would make a window of half the length do.
         theta[0] = FLOOR
-        place = min(wider * cutoff, 0.45)
-        theta[TERMS : TERMS + EACH] = free_filter(WINDOWED, place, taps, data.samples)
-        starts.append((model.kinds, theta))
+        starts.append((kinds, theta))
     return starts
 
 

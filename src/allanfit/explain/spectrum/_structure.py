@@ -75,8 +75,8 @@ TERMS = 4
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
 #: Of what shapes the spectrum how it droops, or has ripple, in place of a size; and its floor.
-SHAPE = slice(TERMS, TERMS + EACH + 1)
-_SHAPING = EACH + 1
+SHAPING = EACH + 1
+SHAPE = slice(TERMS, TERMS + SHAPING)
 FLOOR = -60.0
 # Behind a filter; more of the white noise is no floor but most of it.
 _HIGHEST_FLOOR = 0.9
@@ -103,7 +103,7 @@ class Kinds(NamedTuple):
     @property
     def first_slot(self) -> int:
         """Where the parameters of the first added noise begin."""
-        return TERMS + _SHAPING * (self.shaping is not None)
+        return TERMS + SHAPING * (self.shaping is not None)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -188,7 +188,7 @@ def sieve(shaping: str, four: Any, samples: Any) -> LowPass:
     floor = None if kind in MEANS else floor_of(four)
     if kind in EQUIRIPPLES:
         cutoff, attenuation = shape_of(kind, four, samples)
-        order = four[_SHAPING] if shaping == kind else jnp.asarray(poles(shaping))
+        order = four[SHAPING] if shaping == kind else jnp.asarray(poles(shaping))
         return LowPass(
             cutoff,
             order,
