@@ -56,9 +56,9 @@ _WHITE = 0.25
 def look_again(state: Investigation) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
     _only_courses_were_loud(state)
-    tracked = tell_apart(state)
+    told = tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
-    look_at_lines(state, white, tracked)
+    look_at_lines(state, white, told)
     broad = _broad(state, white)
     _swing(state, _repeated(state, white, broad))
     _dead_band(state)

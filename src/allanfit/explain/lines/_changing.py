@@ -12,7 +12,7 @@ from .._chance import INSIDE
 from .._state import Investigation, Unknown
 from ..courses._course import Course
 from ..spectrum._narrow import Narrow, band_of, narrow_groups, narrow_noises
-from ._line_or_resonance import in_one_phase
+from ._line_or_resonance import Told, in_one_phase
 from ._moving import Band, moving
 from ._one_phase import OnePhase
 from ._sidebands import are_sidebands
@@ -31,11 +31,11 @@ _TURN = 1.6
 
 
 def look_at_lines(
-    state: Investigation, white: Float[np.ndarray, " samples"], tracked: dict[int, float]
+    state: Investigation, white: Float[np.ndarray, " samples"], told: dict[int, Told]
 ) -> None:
-    """Take back the names of lines and bands that are not steady; `tracked` is of `tell_apart`."""
+    """Take back the names of lines and bands that are not steady; `told` is of `tell_apart`."""
     _combs(state)
-    _sweeps(state, white, tracked)
+    _sweeps(state, white, told)
     _turns(state)
 
 
@@ -71,9 +71,9 @@ def _comb(state: Investigation, lines: list[float]) -> None:
 
 
 def _sweeps(
-    state: Investigation, white: Float[np.ndarray, " samples"], tracked: dict[int, float]
+    state: Investigation, white: Float[np.ndarray, " samples"], told: dict[int, Told]
 ) -> None:
-    """Lines that move through their band, or come and go; `tracked` is from `tell_apart`."""
+    """Lines that move through their band, or come and go; `told` is of `tell_apart`."""
     for group in narrow_groups(state):
         main = max(group, key=lambda each: each.width)
         band = band_of(state, group, _REACH)
@@ -86,8 +86,11 @@ def _sweeps(
             like, ends = "a motor or a pump that gains or loses speed does so", path.ends
         elif period := _pulse_of(state, white, group):
             why = "a line that comes and goes"
-        elif switched := _switched(state, white, group, tracked):
+        elif switched := _switched(state, white, group, told):
             why = "a line of one frequency and phase whose strength changes"
+        elif max(2 * told.get(each.place, Told()).switched for each in group) > INSIDE:
+            why = "a line that is on at some times and off at others"
+            like = "a motor or a pump that is switched does so"
         elif path is not None:
             # Whatever its shape, a resonance it is not.
             state.wandering |= {each.place for each in group}
@@ -104,11 +107,11 @@ def _switched(
     state: Investigation,
     white: Float[np.ndarray, " samples"],
     group: list[Narrow],
-    tracked: dict[int, float],
+    told: dict[int, Told],
 ) -> OnePhase | None:
     """A line whose strength changes, if that says more than the name that the group has."""
     found = in_one_phase(state, white, group)
-    known = max(tracked.get(each.place, 0.0) for each in group)
+    known = max(told.get(each.place, Told()).wanders for each in group)
     return found if found is not None and 2 * (found.gain - known) > INSIDE else None
 
 

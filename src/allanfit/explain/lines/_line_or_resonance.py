@@ -4,6 +4,8 @@ Of all the spectrum is a peak, and shapes are alike within what a few hundred or
 time that tells them apart.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Float
 
@@ -29,12 +31,25 @@ _PARTS = (0.5, 1.0, 2.0)
 # The half-width of a resonance whose core looks like a line of this standard deviation.
 _ALIKE = 1.2
 _LINE, _RESONANCE = "drifting_line", "resonance"
+# For what parts of the record a line that is switched may be on, and the longest band in which it
+# is looked for.
+_ON = (0.25, 0.5, 0.75)
+_MOST_SWITCHED = 2048
 
 
-def tell_apart(state: Investigation) -> dict[int, float]:
+class Told(NamedTuple):
+    """What following a narrow noise in time gains, in log-likelihood."""
+
+    #: As a line that wanders, over normal noise of its spectrum; nothing if it is no line.
+    wanders: float = 0.0
+    #: As a line that is off at times, over what else it may be.
+    switched: float = -np.inf
+
+
+def tell_apart(state: Investigation) -> dict[int, Told]:
     """Give each narrow noise that stands alone the name that its course in time asks for.
 
-    Returns what tracking gains for those that are lines, in log-likelihood, by their place.
+    Returns what following it gains, by its place.
     """
     if not narrow_groups(state):
         return {}
@@ -48,15 +63,17 @@ def tell_apart(state: Investigation) -> dict[int, float]:
     return gains
 
 
-def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow) -> float:
+def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow) -> Told:
     names = state.model.kinds.names
     finding = state.findings_of(names)[one.place - len(state.model.kinds.added)]
     if finding is None:
-        return 0.0
+        return Told()
     fitted = {name: _as(state, one, name) for name in NARROW}
     gained, lasts = _followed(state, white, one, fitted[_LINE])
+    better = (fitted[_RESONANCE].deviance - fitted[_LINE].deviance) / 2
+    switched = gained.switched - max(gained.wanders, -better)
     # As twice the log of the odds, which scores are.
-    gain = fitted[_RESONANCE].deviance - fitted[_LINE].deviance + 2 * gained
+    gain = 2 * (better + gained.wanders)
     gain += _model.rarity(fitted[_LINE], state.data, one.place)
     gain -= _model.rarity(fitted[_RESONANCE], state.data, one.place)
     best, other = (_LINE, _RESONANCE) if gain > 0 else (_RESONANCE, _LINE)
@@ -65,10 +82,10 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     finding.name = best
     state.model = fitted[best]
     if best == _RESONANCE:
-        return 0.0
+        return Told(switched=switched)
     line = _in(state.model, one.place, state)
     state.followed[one.place] = Followed(lasts, moments(state, line))
-    return gained
+    return Told(gained.wanders, switched)
 
 
 def in_one_phase(
@@ -124,8 +141,8 @@ def _in(model: Model, place: int, state: Investigation) -> Narrow:
 
 def _followed(
     state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow, line: Model
-) -> tuple[float, float]:
-    """What a line gains when it is tracked, over normal noise of its spectrum.
+) -> tuple[Told, float]:
+    """What a line gains when it is followed, over normal noise of its spectrum.
 
     Second, for what part of the stretch its frequency lasts.
     """
@@ -138,5 +155,10 @@ def _followed(
     normal = normal_likelihood(band, np.interp(part, np.arange(excess.size), excess))
     place = (middle - frequency[0]) * white.size / frequency.size
     spread = width * white.size / frequency.size
-    line_there = tracked(band, place, spread, float(np.mean(excess)))
-    return line_there.log_likelihood - normal, line_there.memory / frequency.size
+    power = float(np.mean(excess))
+    steady = tracked(band, place, spread, power)
+    gains = Told(steady.log_likelihood - normal)
+    if band.size <= _MOST_SWITCHED:
+        switched = tracked(band, place, spread, power, _ON)
+        gains = gains._replace(switched=switched.log_likelihood - normal)
+    return gains, steady.memory / frequency.size

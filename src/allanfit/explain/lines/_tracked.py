@@ -4,9 +4,10 @@ A spectrum knows no more of it than of normal noise of the same shape, but a lin
 frequency at a time, and keeps its phase from one moment to the next. A hidden Markov model with
 frequency and phase as its states knows both: frequency reverts to its mean as an
 Ornstein-Uhlenbeck process does, and phase goes on by it (forward algorithm: Rabiner 1989, Proc.
-IEEE 77:257).
+IEEE 77:257). A line that is switched has one state more, in which it is off.
 """
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,8 @@ from jaxtyping import Complex, Float
 _STEPS = 32
 # How long a frequency lasts, in samples of the band; any of them may be.
 _MEMORIES = (10.0, 30.0, 100.0, 300.0, 1000.0)
+# How often a line that is switched goes on or off in a record.
+_SWITCHED = 8.0
 # Where no frequency and phase is likely at all.
 _LEAST = 1e-280
 # Steps of which a normal distribution is sampled well.
@@ -51,7 +54,7 @@ def normal_likelihood(band: Baseband, excess: Float[np.ndarray, " band"]) -> flo
 class Tracked(NamedTuple):
     """A line that wanders in a band."""
 
-    #: Log-likelihood over that of white noise alone, the mean over all memories.
+    #: Log-likelihood over that of white noise alone, the mean over all memories and parts.
     log_likelihood: float
     #: For how long its frequency lasts [samples of the band]: the mean, by how likely each is.
     memory: float
@@ -75,38 +78,50 @@ class Followed(NamedTuple):
     moments: Moments | None
 
 
-def tracked(band: Baseband, middle: float, width: float, power: float) -> Tracked:
+def tracked(
+    band: Baseband, middle: float, width: float, power: float, on: tuple[float, ...] = (1.0,)
+) -> Tracked:
     """How likely a line that wanders made the band.
 
     `middle` and `width` are mean and standard deviation of its frequency as parts of the band, and
-    `power` is its squared amplitude where white noise has a mean square of one.
+    `power` is its mean squared amplitude where white noise has a mean square of one. It is on for
+    one of the parts `on` of the record, any of which may be, and comes back with any phase.
     """
     memories = [each for each in _MEMORIES if each < band.size] or [_MEMORIES[0]]
+    memory, part = np.array([*product(memories, on)]).T
     frequency, step = np.arange(_STEPS) / _STEPS, np.arange(_STEPS)
     away = ((frequency - middle) / width) ** 2 / 2
     # A line much narrower than a step still is at one.
     start = np.exp(away.min() - away)
-    moves = np.stack([_moves(middle * _STEPS, width * _STEPS, memory) for memory in memories])
+    start = np.repeat(start[:, None] / start.sum() / _STEPS, _STEPS, axis=1)
+    moves = np.stack([_moves(middle * _STEPS, width * _STEPS, each) for each in memory])
     # Of a line at step k of the frequency the phase goes on by k steps.
     earlier = (_STEPS * step[:, None] + (step[None, :] - step[:, None]) % _STEPS).ravel()
-    amplitude = np.sqrt(power)
+    squared = (power / part)[:, None]
     turned = np.exp(-2j * np.pi * frequency)
-    states = np.repeat(start[None, :, None] / start.sum(), len(memories), axis=0)
-    states = np.repeat(states / _STEPS, _STEPS, axis=2)
-    found = np.zeros(len(memories))
+    often = np.where(part < 1, _SWITCHED / 2 / band.size, 0.0)
+    goes = np.minimum(often / part, 0.5)
+    comes = np.minimum(often / np.maximum(1 - part, 1 / band.size), 0.5)
+    states, off = part[:, None, None] * start, 1 - part
+    found = np.zeros(memory.size)
     for at, value in enumerate(band):
         if at:
-            flat = states.reshape(len(memories), -1)[:, earlier]
-            states = moves @ flat.reshape(states.shape)
-        told = 2 * amplitude * (value * turned).real - power
+            flat = states.reshape(memory.size, -1)[:, earlier]
+            stays, back = 1 - goes, off * comes
+            off = off - back + goes * states.sum(axis=(1, 2))
+            states = stays[:, None, None] * (moves @ flat.reshape(states.shape))
+            states += back[:, None, None] * start
+        told = 2 * np.sqrt(squared) * (value * turned).real - squared
         # Relative to the likeliest: of a strong line the largest is beyond all numbers.
-        states = states * np.exp(told - told.max())
-        total = np.maximum(states.sum(axis=(1, 2)), _LEAST)
-        states /= total[:, None, None]
-        found += np.log(total) + told.max()
+        most = np.where(off > 0, np.maximum(told.max(axis=1), 0.0), told.max(axis=1))
+        states = states * np.exp(told - most[:, None])[:, None, :]
+        off = off * np.exp(-most)
+        total = np.maximum(states.sum(axis=(1, 2)) + off, _LEAST)
+        states, off = states / total[:, None, None], off / total
+        found += np.log(total) + most
     likelihood = np.exp(found - found.max())
     likely = float(found.max() + np.log(likelihood.mean()))
-    return Tracked(likely, float(likelihood @ np.array(memories) / likelihood.sum()))
+    return Tracked(likely, float(likelihood @ memory / likelihood.sum()))
 
 
 def _moves(middle: float, width: float, memory: float) -> Float[np.ndarray, "to come_from"]:
