@@ -1,5 +1,7 @@
 """A line that wanders against normal noise of its spectrum, by its phase."""
 
+from itertools import groupby, product
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -52,6 +54,29 @@ def test_a_line_may_be_a_thousand_times_as_strong_as_the_noise():
     np.testing.assert_allclose(likelihood(z, frequency, 1e-6, power), expected, rtol=1e-4)
 
 
+def test_a_line_that_is_switched_is_the_sum_over_all_times_at_which_it_may_be():
+    """On one frequency, of each of 2^9 courses: a coherent sum of each time on, and their odds."""
+    z = white(np.random.default_rng(6), 9)
+    frequency, power, part = 12 / 32, 0.7, 0.25
+    turned = z * np.exp(-2j * np.pi * frequency * np.arange(z.size))
+    goes, comes = min(4 / z.size / part, 0.5), min(4 / z.size / (1 - part), 0.5)
+    odds = {(1, 1): 1 - goes, (1, 0): goes, (0, 1): comes, (0, 0): 1 - comes}
+    expected = 0.0
+    for course in product((0, 1), repeat=z.size):
+        likelihood = part if course[0] else 1 - part
+        for step in zip(course, course[1:], strict=False):
+            likelihood *= odds[step]
+        for on, times in groupby(range(z.size), key=lambda at: course[at]):
+            if on:
+                values = turned[list(times)]
+                squared = power / part
+                coherent = i0(2 * np.sqrt(squared) * np.abs(values.sum()))
+                likelihood *= np.exp(-values.size * squared) * coherent
+        expected += likelihood
+    found = tracked(z, frequency, 1e-6, power, on=(part,), changes=8.0).log_likelihood
+    np.testing.assert_allclose(found, np.log(expected), rtol=1e-6)
+
+
 def test_on_average_white_noise_is_no_likelier_to_be_a_line():
     """The mean of a likelihood ratio is one under the other hypothesis; false alarm .003."""
     rng = np.random.default_rng(2)
@@ -78,6 +103,31 @@ def test_a_line_is_told_from_noise_of_its_spectrum():
         # Normal noise of that spectrum, by its coefficients.
         noise = np.fft.ifft(np.sqrt(excess_of(power) * BAND) * white(rng))
         assert gain(noise + white(rng), power) < -1
+
+
+def test_a_line_that_is_switched_is_told_from_lines_that_stay_and_from_noise():
+    """On for four times of ten, with a phase of its own each; ten of each, seeds fixed."""
+    rng, power = np.random.default_rng(8), 0.4
+    kept = np.exp(-1 / 60)
+
+    def switched(band: np.ndarray) -> float:
+        on = (0.25, 0.5, 0.75)
+        found = tracked(band, MIDDLE, WIDTH, power, on=on, changes=8.0).log_likelihood
+        normal = normal_likelihood(band, excess_of(power))
+        leaps = tracked(band, MIDDLE, WIDTH, power, changes=8.0).log_likelihood
+        return found - max(normal, leaps, likelihood(band, MIDDLE, WIDTH, power))
+
+    time = np.arange(BAND)
+    for _ in range(10):
+        drift = lfilter([np.sqrt(1 - kept**2)], [1, -kept], rng.standard_normal(BAND + 500))[500:]
+        turned = np.exp(2j * np.pi * np.cumsum(MIDDLE + WIDTH * drift))
+        on = (time % 250 > 60) & (time % 250 < 160)
+        phases = np.exp(2j * np.pi * rng.random(3))[time // 250]
+        assert switched(np.sqrt(power / on.mean()) * on * phases * turned + white(rng)) > 3
+        # What is told as one is nineteen times as likely.
+        assert switched(np.sqrt(power) * turned + white(rng)) < np.log(19)
+        noise = np.fft.ifft(np.sqrt(excess_of(power) * BAND) * white(rng))
+        assert switched(noise + white(rng)) < 0
 
 
 def test_a_band_is_white_and_its_lines_stand_where_they_are():

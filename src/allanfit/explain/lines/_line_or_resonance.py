@@ -31,9 +31,9 @@ _PARTS = (0.5, 1.0, 2.0)
 # The half-width of a resonance whose core looks like a line of this standard deviation.
 _ALIKE = 1.2
 _LINE, _RESONANCE = "drifting_line", "resonance"
-# For what parts of the record a line that is switched may be on, and the longest band in which it
-# is looked for.
-_ON = (0.25, 0.5, 0.75)
+# For what parts of the record a line that is switched may be on, how often it goes on or off, and
+# the longest band in which it is looked for.
+_ON, _CHANGES = (0.25, 0.5, 0.75), 8.0
 _MOST_SWITCHED = 2048
 
 
@@ -42,7 +42,18 @@ class Told(NamedTuple):
 
     #: As a line that wanders, over normal noise of its spectrum; nothing if it is no line.
     wanders: float = 0.0
-    #: As a line that is off at times, over what else it may be.
+    #: As a line that is off at times, over all that is not.
+    switched: float = -np.inf
+
+
+class _Gains(NamedTuple):
+    """Log-likelihoods of courses of a line, over that of normal noise of its spectrum."""
+
+    wanders: float
+    #: For what part of the stretch its frequency lasts then.
+    lasts: float
+    #: Any of which is at any frequency when it comes back: the first without having been off.
+    leaps: float = -np.inf
     switched: float = -np.inf
 
 
@@ -69,9 +80,9 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     if finding is None:
         return Told()
     fitted = {name: _as(state, one, name) for name in NARROW}
-    gained, lasts = _followed(state, white, one, fitted[_LINE])
+    gained = _followed(state, white, one, fitted[_LINE])
     better = (fitted[_RESONANCE].deviance - fitted[_LINE].deviance) / 2
-    switched = gained.switched - max(gained.wanders, -better)
+    switched = gained.switched - max(gained.wanders, gained.leaps, 0.0, -better)
     # As twice the log of the odds, which scores are.
     gain = 2 * (better + gained.wanders)
     gain += _model.rarity(fitted[_LINE], state.data, one.place)
@@ -84,7 +95,7 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     if best == _RESONANCE:
         return Told(switched=switched)
     line = _in(state.model, one.place, state)
-    state.followed[one.place] = Followed(lasts, moments(state, line))
+    state.followed[one.place] = Followed(gained.lasts, moments(state, line))
     return Told(gained.wanders, switched)
 
 
@@ -141,11 +152,7 @@ def _in(model: Model, place: int, state: Investigation) -> Narrow:
 
 def _followed(
     state: Investigation, white: Float[np.ndarray, " samples"], one: Narrow, line: Model
-) -> tuple[Told, float]:
-    """What a line gains when it is followed, over normal noise of its spectrum.
-
-    Second, for what part of the stretch its frequency lasts.
-    """
+) -> _Gains:
     fitted = _in(line, one.place, state)
     middle, width = fitted.middle, fitted.width
     found = alone(state, white, [one], middle, max(_REACH * width, _FEWEST / 2 / white.size))
@@ -157,8 +164,11 @@ def _followed(
     spread = width * white.size / frequency.size
     power = float(np.mean(excess))
     steady = tracked(band, place, spread, power)
-    gains = Told(steady.log_likelihood - normal)
-    if band.size <= _MOST_SWITCHED:
-        switched = tracked(band, place, spread, power, _ON)
-        gains = gains._replace(switched=switched.log_likelihood - normal)
-    return gains, steady.memory / frequency.size
+    gains = _Gains(steady.log_likelihood - normal, steady.memory / frequency.size)
+    if band.size > _MOST_SWITCHED:
+        return gains
+    leaps = tracked(band, place, spread, power, changes=_CHANGES)
+    switched = tracked(band, place, spread, power, on=_ON, changes=_CHANGES)
+    return gains._replace(
+        leaps=leaps.log_likelihood - normal, switched=switched.log_likelihood - normal
+    )

@@ -17,8 +17,6 @@ from jaxtyping import Complex, Float
 _STEPS = 32
 # How long a frequency lasts, in samples of the band; any of them may be.
 _MEMORIES = (10.0, 30.0, 100.0, 300.0, 1000.0)
-# How often a line that is switched goes on or off in a record.
-_SWITCHED = 8.0
 # Where no frequency and phase is likely at all.
 _LEAST = 1e-280
 # Steps of which a normal distribution is sampled well.
@@ -79,38 +77,45 @@ class Followed(NamedTuple):
 
 
 def tracked(
-    band: Baseband, middle: float, width: float, power: float, on: tuple[float, ...] = (1.0,)
+    band: Baseband,
+    middle: float,
+    width: float,
+    power: float,
+    *,
+    on: tuple[float, ...] = (1.0,),
+    changes: float = 0.0,
 ) -> Tracked:
     """How likely a line that wanders made the band.
 
     `middle` and `width` are mean and standard deviation of its frequency as parts of the band, and
     `power` is its mean squared amplitude where white noise has a mean square of one. It is on for
-    one of the parts `on` of the record, any of which may be, and comes back with any phase.
+    one of the parts `on` of the record, any of which may be, goes on or off so many times, and
+    comes back at any frequency and phase. If it is never off it changes these as often.
     """
     memories = [each for each in _MEMORIES if each < band.size] or [_MEMORIES[0]]
     memory, part = np.array([*product(memories, on)]).T
     frequency, step = np.arange(_STEPS) / _STEPS, np.arange(_STEPS)
-    away = ((frequency - middle) / width) ** 2 / 2
+    apart = ((frequency - middle) / width) ** 2 / 2
     # A line much narrower than a step still is at one.
-    start = np.exp(away.min() - away)
+    start = np.exp(apart.min() - apart)
     start = np.repeat(start[:, None] / start.sum() / _STEPS, _STEPS, axis=1)
     moves = np.stack([_moves(middle * _STEPS, width * _STEPS, each) for each in memory])
     # Of a line at step k of the frequency the phase goes on by k steps.
     earlier = (_STEPS * step[:, None] + (step[None, :] - step[:, None]) % _STEPS).ravel()
     squared = (power / part)[:, None]
     turned = np.exp(-2j * np.pi * frequency)
-    often = np.where(part < 1, _SWITCHED / 2 / band.size, 0.0)
-    goes = np.minimum(often / part, 0.5)
-    comes = np.minimum(often / np.maximum(1 - part, 1 / band.size), 0.5)
+    often, away = changes / 2 / band.size, np.maximum(1 - part, 1 / band.size)
+    goes, comes = np.minimum(often / part, 0.5), np.minimum(often / away, 0.5)
     states, off = part[:, None, None] * start, 1 - part
     found = np.zeros(memory.size)
     for at, value in enumerate(band):
         if at:
             flat = states.reshape(memory.size, -1)[:, earlier]
-            stays, back = 1 - goes, off * comes
-            off = off - back + goes * states.sum(axis=(1, 2))
-            states = stays[:, None, None] * (moves @ flat.reshape(states.shape))
-            states += back[:, None, None] * start
+            gone = goes * states.sum(axis=(1, 2))
+            back = np.where(part < 1, comes * off, gone)
+            off = off + gone - back
+            stays = (1 - goes)[:, None, None] * (moves @ flat.reshape(states.shape))
+            states = stays + back[:, None, None] * start
         told = 2 * np.sqrt(squared) * (value * turned).real - squared
         # Relative to the likeliest: of a strong line the largest is beyond all numbers.
         most = np.where(off > 0, np.maximum(told.max(axis=1), 0.0), told.max(axis=1))
