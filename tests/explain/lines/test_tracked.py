@@ -1,6 +1,6 @@
 """A line that wanders against normal noise of its spectrum, by its phase."""
 
-from itertools import groupby, product
+from itertools import groupby, pairwise, product
 
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ def test_a_line_that_is_switched_is_the_sum_over_all_times_at_which_it_may_be():
     expected = 0.0
     for course in product((0, 1), repeat=z.size):
         likelihood = part if course[0] else 1 - part
-        for step in zip(course, course[1:], strict=False):
+        for step in pairwise(course):
             likelihood *= odds[step]
         for on, times in groupby(range(z.size), key=lambda at: course[at]):
             if on:

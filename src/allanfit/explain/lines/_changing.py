@@ -86,9 +86,9 @@ def _sweeps(
             like, ends = "a motor or a pump that gains or loses speed does so", path.ends
         elif period := _pulse_of(state, white, group):
             why = "a line that comes and goes"
-        elif switched := _switched(state, white, group, told):
+        elif switched := _one_phase(state, white, group, told):
             why = "a line of one frequency and phase whose strength changes"
-        elif max(2 * told.get(each.place, Told()).switched for each in group) > INSIDE:
+        elif switched := _on_and_off(group, told):
             why = "a line that is on at some times and off at others"
             like = "a motor or a pump that is switched does so"
         elif path is not None:
@@ -103,7 +103,7 @@ def _sweeps(
             )
 
 
-def _switched(
+def _one_phase(
     state: Investigation,
     white: Float[np.ndarray, " samples"],
     group: list[Narrow],
@@ -115,13 +115,18 @@ def _switched(
     return found if found is not None and 2 * (found.gain - known) > INSIDE else None
 
 
-def _times_on(state: Investigation, line: OnePhase | None) -> tuple[tuple[int, int], ...]:
-    """When a line is on, in values, if that is one interval."""
-    if line is None or line.on is None:
-        return ()
+def _on_and_off(group: list[Narrow], told: dict[int, Told]) -> Told | None:
+    """A line that is off at times, whatever its phases."""
+    likeliest = max((told.get(each.place, Told()) for each in group), key=lambda one: one.switched)
+    return likeliest if 2 * likeliest.switched > INSIDE else None
+
+
+def _times_on(state: Investigation, line: OnePhase | Told | None) -> tuple[tuple[int, int], ...]:
+    """When a line is on, in values, as far as that is known."""
     start, stop = state.longest
-    first, last = (round(start + part * (stop - start)) for part in line.on)
-    return ((first, last),)
+    edges = np.array((line and line.on) or ()).reshape(-1, 2)
+    times = np.round(start + edges * (stop - start)).astype(int)
+    return tuple((int(a), int(b)) for a, b in times)
 
 
 def _turns(state: Investigation) -> None:

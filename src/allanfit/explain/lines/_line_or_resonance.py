@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from .._intervals import runs
 from .._state import Investigation, whitened_piece
 from ..spectrum import _model
 from ..spectrum._model import Model
@@ -42,8 +43,10 @@ class Told(NamedTuple):
 
     #: As a line that wanders, over normal noise of its spectrum; nothing if it is no line.
     wanders: float = 0.0
-    #: As a line that is off at times, over all that is not.
+    #: As a line that is off at times, over all that is not; and when it is on, in parts of the
+    #: longest stretch.
     switched: float = -np.inf
+    on: tuple[tuple[float, float], ...] = ()
 
 
 class _Gains(NamedTuple):
@@ -55,6 +58,8 @@ class _Gains(NamedTuple):
     #: Any of which is at any frequency when it comes back: the first without having been off.
     leaps: float = -np.inf
     switched: float = -np.inf
+    #: When it is on then.
+    on: tuple[tuple[float, float], ...] = ()
 
 
 def tell_apart(state: Investigation) -> dict[int, Told]:
@@ -93,10 +98,10 @@ def _tell(state: Investigation, white: Float[np.ndarray, " samples"], one: Narro
     finding.name = best
     state.model = fitted[best]
     if best == _RESONANCE:
-        return Told(switched=switched)
+        return Told(switched=switched, on=gained.on)
     line = _in(state.model, one.place, state)
     state.followed[one.place] = Followed(gained.lasts, moments(state, line))
-    return Told(gained.wanders, switched)
+    return Told(gained.wanders, switched, gained.on)
 
 
 def in_one_phase(
@@ -168,7 +173,12 @@ def _followed(
     if band.size > _MOST_SWITCHED:
         return gains
     leaps = tracked(band, place, spread, power, changes=_CHANGES)
-    switched = tracked(band, place, spread, power, on=_ON, changes=_CHANGES)
+    # Its past tells late when it goes, and its future early when it comes.
+    both = band, np.conj(band[::-1])
+    past, future = (tracked(each, place, spread, power, on=_ON, changes=_CHANGES) for each in both)
+    on = runs(past.on + future.on[::-1] > 1)
     return gains._replace(
-        leaps=leaps.log_likelihood - normal, switched=switched.log_likelihood - normal
+        leaps=leaps.log_likelihood - normal,
+        switched=past.log_likelihood - normal,
+        on=tuple((a / band.size, b / band.size) for a, b in on),
     )

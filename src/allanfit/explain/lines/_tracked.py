@@ -56,6 +56,8 @@ class Tracked(NamedTuple):
     log_likelihood: float
     #: For how long its frequency lasts [samples of the band]: the mean, by how likely each is.
     memory: float
+    #: How likely it is on at each sample, by the samples up to that one.
+    on: Float[np.ndarray, " band"]
 
 
 class Moments(NamedTuple):
@@ -107,7 +109,7 @@ def tracked(
     often, away = changes / 2 / band.size, np.maximum(1 - part, 1 / band.size)
     goes, comes = np.minimum(often / part, 0.5), np.minimum(often / away, 0.5)
     states, off = part[:, None, None] * start, 1 - part
-    found = np.zeros(memory.size)
+    found, there = np.zeros(memory.size), np.zeros((band.size, memory.size))
     for at, value in enumerate(band):
         if at:
             flat = states.reshape(memory.size, -1)[:, earlier]
@@ -124,9 +126,11 @@ def tracked(
         total = np.maximum(states.sum(axis=(1, 2)) + off, _LEAST)
         states, off = states / total[:, None, None], off / total
         found += np.log(total) + most
+        there[at] = 1 - off
     likelihood = np.exp(found - found.max())
     likely = float(found.max() + np.log(likelihood.mean()))
-    return Tracked(likely, float(likelihood @ memory / likelihood.sum()))
+    likelihood /= likelihood.sum()
+    return Tracked(likely, float(likelihood @ memory), there @ likelihood)
 
 
 def _moves(middle: float, width: float, memory: float) -> Float[np.ndarray, "to come_from"]:
