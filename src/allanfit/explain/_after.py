@@ -32,6 +32,8 @@ def fit_after(
     terms = np.asarray(state.data.terms)
     best = np.where(terms, np.exp(state.model.theta[:4]), 0.0)
     power = draws.power.copy()
+    for each in (power, best):
+        each[..., 1] *= 1 - state.loud_part
     _unclip(state, power, best)
     _unround(state, power, best, seed)
     if state.unseen is not None:

@@ -140,6 +140,8 @@ class Investigation:
     #: alone, and of codes.
     foreign: float = 0.0
     loud_variance: float = 0.0
+    #: The part of N's square that only loud times have, if it passes a filter as N does.
+    loud_part: float = 0.0
     #: Draws of what part of that is known by its statistics alone [u^2], less what `foreign` has.
     unseen: Float[np.ndarray, " draws"] | None = None
     rounding: Rounding = UNROUNDED

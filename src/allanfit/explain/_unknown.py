@@ -33,7 +33,7 @@ from .strength._changing import (
     swinging,
     tiles,
 )
-from .strength._lasting import forget_loud_times, weighted_by_n
+from .strength._lasting import count_out_filtered, forget_loud_times, weighted_by_n
 from .strength._modulation import PULLED_IN, uneven
 from .values._held_out import of_swing
 from .values._spikes import USUAL
@@ -49,6 +49,8 @@ _HARMONICS, _LINE_ERROR = 4, 0.1
 _OFTEN = 100
 # A line takes noise to the rails with its own period, and that of its lowest harmonics.
 _MULTIPLES = 3
+# What a filter leaves of white noise where its spectrum is seen.
+_FAINT = 1e-3
 # Where most of what is white is [cycles per sample].
 _WHITE = 0.25
 
@@ -64,6 +66,8 @@ def look_again(state: Investigation) -> None:
     _dead_band(state)
     _skewed(state)
     _other_spectrum(state, broad)
+    if "variance_modulation" not in state.disowned:
+        count_out_filtered(state)
     _bump_instead(state)
 
 
@@ -99,10 +103,14 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
     at = np.arange(powers.shape[1]) / TILE
     density = np.interp(at, state.left.frequency, state.variance)
     usable = ~within(at, _bands(state), 1 / TILE)
-    found = reshaped(parts(powers), density, usable)
+    passed = _passed(state, powers.shape[1])
+    if passed is not None:
+        # Of less a short spectrum shows what leaks there.
+        usable &= passed > _FAINT
+    found = reshaped(parts(powers), density, usable, passed)
     if state.modulation is not None:
         loud = shares(state.flags(state.modulation.loud)[slice(*state.longest)])
-        found = reshaped_at_times(powers, loud, density, usable) or found
+        found = reshaped_at_times(powers, loud, density, usable, passed) or found
     found = found or _corner_moves(state, powers)
     if found is None:
         return
@@ -142,6 +150,17 @@ def _vibration(state: Investigation) -> None:
     times = tuple(runs(state.flags(state.vibration.times.loud)))
     middle, width, like = state.vibration.middle, state.vibration.width, "vibration does so"
     state.unknown.append(Unknown(middle, width, why, in_time=True, like=like, times=times))
+
+
+def _passed(state: Investigation, frequencies: int) -> Float[np.ndarray, " frequencies"] | None:
+    """What the filter of the model lets pass of white noise, from zero to half the rate, if any."""
+    shaping = state.model.kinds.shaping
+    if shaping is None or not state.model.kinds.filtering:
+        return None
+    # Neither end has a spectrum of its own.
+    inside = np.arange(1, frequencies - 1) / (2 * (frequencies - 1))
+    theta, samples = state.model.theta[SHAPE], state.data.samples
+    return np.pad(filter_slopes(shaping, theta, points(inside), samples)[0], 1, mode="edge")
 
 
 def _far_below_corner(state: Investigation, frequency: float) -> bool:

@@ -45,6 +45,17 @@ def test_white_noise_beside_rising_noise_is_no_other_spectrum_however_loud():
         assert all((each is not None) == told for each in found)
 
 
+def test_what_a_filter_lets_pass_of_louder_noise_is_no_other_spectrum():
+    """Half as much again of what falls by ten, in 40 records; all where no filter is known."""
+    rng = np.random.default_rng(18)
+    passed, share = np.geomspace(1.0, 0.1, 129), np.repeat([1.0, 0.0], 300)
+    quiet = passed + 0.03
+    spectra = np.where(share[:, None] > 0, quiet + 0.5 * passed, quiet) / quiet
+    records = [rng.exponential(size=spectra.shape) * spectra for _ in range(40)]
+    assert not any(reshaped_at_times(each, share, quiet, passed=passed) for each in records)
+    assert all(reshaped_at_times(each, share, quiet) for each in records)
+
+
 def test_a_band_that_was_cut_out_says_nothing_of_the_shape():
     """Loud times that add white noise, in 40 records; of the band a thirtieth is left to both.
 

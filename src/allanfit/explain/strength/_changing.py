@@ -65,11 +65,13 @@ def reshaped(
     groups: list[Powers],
     density: Float[np.ndarray, " frequencies"],
     usable: Bool[np.ndarray, " frequencies"] | None = None,
+    passed: Float[np.ndarray, " frequencies"] | None = None,
 ) -> tuple[float, float] | None:
     """Where spectra of parts of a record differ most in shape, and the log of its chance.
 
     `groups` are powers of tiles of the white record, and `density` is what their frequencies were
     made white with. Those that are not `usable`, since lines were cut out of them, are left out.
+    Louder white noise is no other shape, nor what a filter lets pass of it, which is `passed`.
     """
     if len(groups) < 2 or min(len(group) for group in groups) < _BANDS:
         return None
@@ -89,7 +91,8 @@ def reshaped(
         return None
     mean, variance, count = mean[:, kept], variance[:, kept], in_band[kept]
     # Whitened by their mean, white noise that is added weighs as one over the density there.
-    weight = banded(1 / density)[kept]
+    gains = [np.ones(density.size)] if passed is None else [np.ones(density.size), passed]
+    weights = [banded(gain / density)[kept] for gain in gains]
     tiles_in = np.array([[len(group)] for group in groups])
     variance = np.maximum(variance, mean**2 / count / tiles_in)
     if len(groups) == 2:
@@ -98,16 +101,22 @@ def reshaped(
         mean = mean[:1]
     else:
         difference = mean - np.average(mean, axis=0, weights=tiles_in[:, 0])
-    added = np.sum(difference * weight / variance, axis=1) / np.sum(weight**2 / variance, axis=1)
-    rest = difference - added[:, None] * weight
-    misfit = float(np.sum(rest**2 / variance))
+
+    def rest(weight: np.ndarray) -> np.ndarray:
+        added = np.sum(difference * weight / variance, axis=1) / np.sum(
+            weight**2 / variance, axis=1
+        )
+        return difference - added[:, None] * weight
+
+    left = min(map(rest, weights), key=lambda each: float(np.sum(each**2 / variance)))
+    misfit = float(np.sum(left**2 / variance))
     freedom = (len(groups) - 1) * (count.size - 1)
-    size = np.sqrt(max(np.mean((rest / mean) ** 2) - np.mean(variance / mean**2), 0.0))
+    size = np.sqrt(max(np.mean((left / mean) ** 2) - np.mean(variance / mean**2), 0.0))
     log_p = float(chi2.logsf(misfit, freedom))
     if log_p > np.log(_RESHAPED) or size < _PLAIN:
         return None
     middle = np.sqrt(edges[:-1] * (edges[1:] - 1))[kept] / TILE
-    return float(middle[int(np.argmax(np.sum(rest**2 / variance, axis=0)))]), log_p
+    return float(middle[int(np.argmax(np.sum(left**2 / variance, axis=0)))]), log_p
 
 
 def reshaped_at_times(
@@ -115,6 +124,7 @@ def reshaped_at_times(
     share: Float[np.ndarray, " tiles"],
     density: Float[np.ndarray, " frequencies"],
     usable: Bool[np.ndarray, " frequencies"] | None = None,
+    passed: Float[np.ndarray, " frequencies"] | None = None,
 ) -> tuple[float, float] | None:
     """The same of the tiles of which a `share` of one is loud, against those of none.
 
@@ -123,7 +133,7 @@ def reshaped_at_times(
     """
     loud, quiet = loud_and_quiet(powers, share)
     usual = quiet_spectrum(loud, quiet)
-    return reshaped([loud / usual, quiet / usual], density * usual, usable)
+    return reshaped([loud / usual, quiet / usual], density * usual, usable, passed)
 
 
 def loud_and_quiet(powers: Powers, share: Float[np.ndarray, " tiles"]) -> tuple[Powers, Powers]:

@@ -252,6 +252,18 @@ def count_out(state: Investigation, changing: Modulation) -> None:
     rebin(state)
 
 
+def count_out_filtered(state: Investigation) -> None:
+    """The same behind a filter, which was not known before.
+
+    What passes it as N does is taken off N in the end, and stays in the spectrum until then.
+    """
+    if state.modulation is None or state.vibration is not None or state.loud_variance > 0:
+        return
+    if state.model.kinds.filtering:
+        part = _loud_variance(state, state.modulation) / float(np.exp(state.model.theta[1]))
+        state.loud_part = min(part, 1 - _LEFT)
+
+
 def _modulation_of_n(
     state: Investigation, white: Float[np.ndarray, " samples"], seed: int
 ) -> tuple[Modulation, Float[np.ndarray, " values"]]:
@@ -327,7 +339,7 @@ def forget_loud_times(state: Investigation) -> None:
     """Take them back: what was stronger then is not the noise."""
     state.modulation = None
     state.foreign -= state.loud_variance
-    state.loud_variance = 0.0
+    state.loud_variance = state.loud_part = 0.0
     state.spectrum = state.spectrum._replace(dilution=1.0)
     state.findings = [each for each in state.findings if each.name != "variance_modulation"]
     state.gains.pop("variance_modulation", None)
