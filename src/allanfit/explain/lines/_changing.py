@@ -116,9 +116,9 @@ def _one_phase(
 
 
 def _on_and_off(group: list[Narrow], told: dict[int, Told]) -> Told | None:
-    """A line that is off at times, whatever its phases."""
+    """A line that comes back, whatever its phases; one that begins or ends is one that wanders."""
     likeliest = max((told.get(each.place, Told()) for each in group), key=lambda one: one.switched)
-    return likeliest if 2 * likeliest.switched > INSIDE else None
+    return likeliest if 2 * likeliest.switched > INSIDE and len(likeliest.on) > 1 else None
 
 
 def _times_on(state: Investigation, line: OnePhase | Told | None) -> tuple[tuple[int, int], ...]:
