@@ -107,8 +107,8 @@ def test_single_precision_on_disk_is_computed_in_double_group_by_group(
 @pytest.mark.parametrize("kind", [np.float32, np.int16])
 def test_codes_of_any_kind_are_as_good_where_quantization_rules(kind):
     """The ends are evened by parts of a code."""
-    angle = np.cumsum(0.02 * np.random.default_rng(3).standard_normal((2, SAMPLES)), axis=1)
-    codes = np.diff(np.rint(angle), axis=1, prepend=0.0)
+    steps = 0.37 + 0.01 * np.random.default_rng(3).standard_normal((2, SAMPLES))
+    codes = np.diff(np.rint(np.cumsum(steps, axis=1)), axis=1, prepend=0.0)
     evened = allanfit.fit_many(codes, RATE_HZ)
     assert evened.resolved["Q"].all()
     assert_same(allanfit.fit_many(codes.astype(kind), RATE_HZ), evened)
