@@ -16,6 +16,10 @@ def white(seed: int) -> np.ndarray:
     return 0.04 * np.random.default_rng(seed).standard_normal(SAMPLES)
 
 
+def filtered(samples: np.ndarray, order: int, cutoff_hz: float) -> np.ndarray:
+    return np.asarray(sosfilt(butter(order, cutoff_hz, fs=RATE_HZ, output="sos"), samples))
+
+
 def falls(samples: np.ndarray) -> bool:
     (channel,) = series_fit(allanfit.fit(samples, RATE_HZ)).channels
     return any("falls toward the Nyquist" in each for each in channel.findings)
@@ -36,10 +40,10 @@ def test_neither_do_white_noise_and_a_tone_with_its_harmonics():
 @pytest.mark.parametrize("cutoff_hz", [1.0, 20.0, 40.0])
 @pytest.mark.parametrize("order", [1, 4])
 def test_a_filter_is_told(cutoff_hz, order):
-    assert falls(sosfilt(butter(order, cutoff_hz, fs=RATE_HZ, output="sos"), white(3)))
+    assert falls(filtered(white(3), order, cutoff_hz))
 
 
 def test_repeats_and_a_filter_behind_a_line_are_told():
     line = 0.02 * np.sin(2 * np.pi * 17.3 * TIME)
     assert falls(np.repeat(white(4)[::2], 2))
-    assert falls(sosfilt(butter(2, 20.0, fs=RATE_HZ, output="sos"), white(5)) + line)
+    assert falls(filtered(white(5), 2, 20.0) + line)
