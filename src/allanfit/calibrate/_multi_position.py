@@ -84,7 +84,8 @@ def multi_position(
       `Recording`, which is cut into the stretches in which the sensor was at rest.
     - `gravity`: where the test was made [m/s^2]; the standard one if not given.
     - `unit`, `channels`, `topic`: as in `allanfit.load`; without any unit, m/s^2.
-    - `sigma`: standard deviation of a mean, in the unit of the readings, if it is known.
+    - `sigma`: standard deviation of a mean, in the unit of the readings, if it is known; of raw
+      codes in the unit behind the scale factor.
     - `reference`: the specific force along the axes of the body, of any length, shape
       (positions, 3).
     - `orthogonal`: take the axes as orthogonal, for bias and scale factor from six positions.
