@@ -41,6 +41,17 @@ def test_exact_readings_give_the_truth_and_the_correction():
     np.testing.assert_allclose(found.correction(data), GRAVITY * direction, atol=1e-6)
 
 
+def test_what_rounding_leaves_of_exact_readings_is_no_outlier():
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        direction = directions(rng, 14)
+        for digits in (4, 15):
+            data = readings(direction, rng, 0.0).round(digits)
+            for reference in (None, direction):
+                found = multi_position(data, gravity=GRAVITY, reference=reference)
+                assert not any("stands out" in each for each in found.findings)
+
+
 @pytest.mark.parametrize("like", [np.ndarray.tolist, jnp.asarray])
 def test_means_may_be_in_any_array_or_list(like):
     rng = np.random.default_rng(0)

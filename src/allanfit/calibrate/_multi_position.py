@@ -13,7 +13,7 @@ from ._gravity import checked_gravity, refuse_wrong_unit
 from ._intervals import Intervals, normal_intervals, student_intervals
 from ._known_attitude import attitude_columns, fit_attitudes
 from ._norm_fit import ORTHOGONAL, PARAMETERS, NormFit, correction_matrix, fit_norm, jacobian
-from ._outlier import stands_out, studentized
+from ._outlier import rounding, stands_out, studentized
 from ._positions import PositionData, Positions, read_positions
 from ._result import AxisCalibration, Calibration, Correction, Quantity, Residuals
 
@@ -140,7 +140,10 @@ def _by_norm(
     about += _about_fit(condition, squares, freedom, sigma)
     slopes = _jacobian(fit.value, readings)
     leverage = jnp.sum((slopes @ fit.inverse) * slopes, axis=1)
-    about += _about_outlier(np.asarray(studentized(fit.residual, leverage, freedom)), freedom)
+    rounded = _rounding(found, gravity)
+    about += _about_outlier(
+        np.asarray(studentized(fit.residual, leverage, freedom, rounded)), freedom
+    )
     interval = _interval(squares, freedom, sigma)
     errors = np.sqrt(np.diag(np.asarray(fit.inverse)))
     values = np.asarray(fit.value)
@@ -199,7 +202,11 @@ def _by_attitude(
     about = _about_fit(condition, float(squares.sum()), 3 * freedom, sigma)
     columns = attitude_columns(jnp.asarray(reference))
     leverage = jnp.sum((columns @ fit.inverse) * columns, axis=1)
-    each = [studentized(residual, leverage, freedom) for residual in jnp.asarray(fit.residual.T)]
+    rounded = _rounding(found, gravity)
+    each = [
+        studentized(residual, leverage, freedom, rounded)
+        for residual in jnp.asarray(fit.residual.T)
+    ]
     about += _about_outlier(np.stack(each, axis=1), freedom, found.axes)
     axes, misalignment = {}, {}
     for i, axis in enumerate(found.axes):
@@ -233,6 +240,11 @@ def _by_attitude(
         misalignment_convention=_ATTITUDE_CONVENTION,
         correction=Correction(np.linalg.inv(fit.matrix), fit.bias * factor, unit, found.axes),
     )
+
+
+def _rounding(found: Positions, gravity: float) -> float:
+    """Standard deviation of the rounding of the readings, in parts of gravity."""
+    return rounding(found.readings / found.unit.factor) * found.unit.factor / gravity
 
 
 def _parameters_told(found: Positions, gravity: float) -> tuple[int, tuple[str, ...]]:
