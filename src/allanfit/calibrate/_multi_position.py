@@ -25,6 +25,8 @@ _POOR_CONDITION = 30.0
 _ALONG_AXES = 0.2
 _LARGEST_SCALE_ERROR = 0.3
 _INCONSISTENT = 0.01
+# Parts of gravity.
+_SOLVED = 1e-9
 _NORM_CONVENTION = (
     "a = T K (y - b), K = diag(1/(1 + S)), T = [[1, -alpha_yz, alpha_zy], [0, 1, -alpha_zx], "
     "[0, 0, 1]] (Tedaldi et al. 2014): x is the sensor's own axis, y lies in the plane of its x "
@@ -243,8 +245,10 @@ def _by_attitude(
 
 
 def _rounding(found: Positions, gravity: float) -> float:
-    """Standard deviation of the rounding of the readings, in parts of gravity."""
-    return rounding(found.readings / found.unit.factor) * found.unit.factor / gravity
+    """Least standard deviation of a reading, by its rounding, in parts of gravity."""
+    rounded = rounding(found.readings / found.unit.factor) * found.unit.factor / gravity
+    # The solver stops before rounding alone is left, and no sensor is known as well.
+    return max(rounded, _SOLVED)
 
 
 def _parameters_told(found: Positions, gravity: float) -> tuple[int, tuple[str, ...]]:
