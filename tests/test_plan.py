@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from inspect import unwrap
 
 import jax
 import numpy as np
@@ -16,6 +17,7 @@ from allanfit.identify._estimate import solve, target
 from allanfit.plan import advice, parse_want
 from allanfit.plan._errors import relative_errors
 from allanfit.plan._record import counted_design
+from allanfit.plan._want import checked_want
 
 GYRO = {"N": 5e-3, "B": 1e-3, "K": 1e-4}
 
@@ -183,6 +185,12 @@ def test_coefficients_that_allow_no_plan(coefficients, want, message):
         allanfit.plan(coefficients, 50.0, want)
 
 
+def test_a_wish_in_words_is_for_the_command_line():
+    # Past the check of types that only tests have.
+    with pytest.raises(ValueError, match=r"want is a mapping of symbols .*; got 'B=10%'"):
+        unwrap(checked_want)("B=10%")
+
+
 def fit_document(**resolved_by_channel):
     """A fit JSON with the gyro's values in every channel; which are resolved is given."""
     return {
@@ -227,10 +235,19 @@ def test_a_term_that_one_channel_lacks(tmp_path, capsys):
     source = tmp_path / "fit.json"
     source.write_text(json.dumps(fit_document(gyro_x="NB", gyro_y="NBK")))
     arguments = ["plan", str(source), "--rate", "50", "--want", "K=20%"]
-    assert main(arguments) == 1
+    assert main([*arguments, "--channel", "gyro_x"]) == 1
     assert "gyro_x of fit.json has none that is resolved" in capsys.readouterr().err
-    assert main([*arguments, "--channel", "gyro_y"]) == 0
-    assert "gyro_y" in capsys.readouterr().out
+    assert main([*arguments, "--json", "-", "--channel", "gyro_y"]) == 0
+    alone = json.loads(capsys.readouterr().out)
+    assert alone["left_out"] == []
+    # The others are planned as they would be without it, and it is said.
+    why = "gyro_x is left out: it has no K that is resolved and above zero."
+    assert main([*arguments, "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out) == alone | {"left_out": [why]}
+    assert main(arguments) == 0
+    out = capsys.readouterr().out
+    assert why in out
+    assert "gyro_x" not in out.replace(why, "")
 
 
 def test_sampling_comes_from_the_file_unless_given(tmp_path, capsys):

@@ -41,12 +41,43 @@ def test_exact_readings_give_the_truth_and_the_correction():
     np.testing.assert_allclose(found.correction(data), GRAVITY * direction, atol=1e-6)
 
 
+def test_what_rounding_leaves_of_exact_readings_is_no_outlier():
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        direction = directions(rng, 14)
+        for digits in (4, 15):
+            data = readings(direction, rng, 0.0).round(digits)
+            for reference in (None, direction):
+                found = multi_position(data, gravity=GRAVITY, reference=reference)
+                assert not any("stands out" in each for each in found.findings)
+
+
 @pytest.mark.parametrize("like", [np.ndarray.tolist, jnp.asarray])
 def test_means_may_be_in_any_array_or_list(like):
     rng = np.random.default_rng(0)
     data = readings(directions(rng, 12), rng, 0.0)
     found = multi_position(like(data), gravity=GRAVITY)
     assert found["x"].bias.value == pytest.approx(BIAS[0], abs=1e-5)
+
+
+@pytest.mark.parametrize("header", ["ax,ay,az", "ax [g],ay [g],az [g]"])
+def test_raw_codes_have_a_scale_factor(tmp_path, header):
+    """As those of recordings; and a unit that is not the file's is said, as for these."""
+    rng = np.random.default_rng(0)
+    data = readings(directions(rng, 12), rng, 1e-4)
+    path = tmp_path / "codes.csv"
+    np.savetxt(path, data / 9.80665 * 16384, fmt="%.4f", delimiter=",", header=header, comments="")
+    found = multi_position(path, gravity=GRAVITY, unit="1/16384 g")
+    said = [each for each in found.findings if "was used instead" in each]
+    told = "The file says g for ax, ay, az; --unit 6.104e-5 g was used instead."
+    assert said == ([told] if "[g]" in header else [])
+    plain = multi_position(data / 9.80665, gravity=GRAVITY, unit="g")
+    for axis, other in zip(found.axes.values(), plain.axes.values(), strict=True):
+        assert axis.bias.unit == "g"
+        assert axis.bias.value == pytest.approx(other.bias.value, abs=1e-7)
+        assert axis.scale_factor.value == pytest.approx(other.scale_factor.value, abs=1e-7)
+    with pytest.raises(ValueError, match="The axes are in one unit; got 'g, deg/s'"):
+        multi_position(path, unit="g, deg/s")
 
 
 def test_another_solver_finds_the_same():

@@ -147,6 +147,21 @@ def test_the_earth_seen_the_wrong_way_round_once_is_told():
         assert "the columns may be swapped" in finding
 
 
+def test_what_rounding_leaves_of_an_exact_line_is_no_outlier():
+    rates = np.array([10.0, 20.0, 40.0, 60.0, 80.0, 100.0, 150.0, 200.0])
+    for unit in ("deg/s", "rpm", "rad/s"):
+        for bias in np.linspace(0.011, 0.0123456789, 20):
+            exact = rates * 1.0037 + bias, rates * 1.0037 - bias
+            for digits in (3, 6, 15):
+                cw, ccw = (np.round(each, digits) for each in exact)
+                found = rate_table({"rate": rates, "cw": cw, "ccw": ccw}, unit=unit)
+                assert found.findings == ()
+    # Ten units in the last place are no rounding.
+    cw[3] += 1e-5
+    (finding,) = rate_table({"rate": rates, "cw": cw, "ccw": ccw}, unit="rpm").findings
+    assert "the clockwise reading at 60 rpm stands out" in finding
+
+
 def test_two_rates_give_values_and_the_reason_for_no_intervals():
     found = rate_table(columns(rates=(10.0, 20.0)), unit="rpm")
     assert found["data"].bias.value == pytest.approx(0.3)

@@ -385,3 +385,16 @@ def test_a_line_is_as_strong_as_by_its_times_where_samples_are_lost(tmp_path):
     over = 0.006**2 * SAMPLES / RATE / (4 * 0.005**2)
     assert over / 2 < place["ratio"] < 2 * over
     assert f"{place['ratio']:.3g} times" in place["sentence"]
+
+
+def test_an_array_with_its_rate_is_a_recording_of_it():
+    samples = np.random.default_rng(4).standard_normal(2000)
+    given = {"rate_hz": 100.0, "unit": "deg/s"}
+    recording = allanfit.recording_of(samples, **given)
+    found = allanfit.explain(samples, **given, posterior=False).to_dict()
+    assert found == allanfit.explain(recording, posterior=False).to_dict()
+    with pytest.raises(TypeError, match=r"allanfit\.recording_of; or arrays with their rate_hz"):
+        allanfit.explain(samples)
+    for each in ({"rate_hz": 100.0}, {"unit": "deg/s"}):
+        with pytest.raises(ValueError, match="knows its rate and unit"):
+            allanfit.explain(recording, **each)

@@ -165,6 +165,17 @@ def test_float32_agrees_with_float64(unit):
             assert apart < 0.05 * width / 3.92, symbol
 
 
+@pytest.mark.parametrize("kind", [np.asarray, jnp.asarray])
+def test_single_precision_is_computed_in_double_where_that_is_on(kind):
+    """To the last digit, or the values would have been rounded on the way."""
+    x = (np.asarray(records(GYRO, 1)[0]) + 9.81).astype(np.float32)
+    given, wide = (allanfit.fit(kind(each), RATE_HZ) for each in (x, x.astype(float)))
+    for a, b in zip(jax.tree.leaves(given), jax.tree.leaves(wide), strict=True):
+        np.testing.assert_array_equal(a, b)
+    shares = [allanfit.influence(wide, kind(each)).share for each in (x, x.astype(float))]
+    np.testing.assert_array_equal(*shares)
+
+
 def test_large_mean_survives_without_x64():
     x = np.asarray(records(GYRO, 1)[0])
     with jax.enable_x64(False):

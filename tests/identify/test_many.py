@@ -89,6 +89,31 @@ def test_only_groups_at_work_leave_an_array_on_disk(batch, together, tmp_path, m
     assert max(asked) == 16
 
 
+def test_single_precision_on_disk_is_computed_in_double_group_by_group(
+    batch, tmp_path, monkeypatch
+):
+    path = tmp_path / "batch.npy"
+    np.save(path, batch.astype(np.float32))
+    asked = []
+    original = _many.as_series
+    monkeypatch.setattr(
+        _many, "as_series", lambda *given: asked.append(given[0]) or original(*given)
+    )
+    found = allanfit.fit_many(np.load(path, mmap_mode="r"), RATE_HZ)
+    assert {(each.dtype.name, len(each)) for each in asked} == {("float32", 1), ("float32", 16)}
+    assert_same(found, allanfit.fit_many(batch.astype(np.float32).astype(float), RATE_HZ))
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int16])
+def test_codes_of_any_kind_are_as_good_where_quantization_rules(kind):
+    """The ends are evened by parts of a code."""
+    steps = 0.37 + 0.01 * np.random.default_rng(3).standard_normal((2, SAMPLES))
+    codes = np.diff(np.rint(np.cumsum(steps, axis=1)), axis=1, prepend=0.0)
+    evened = allanfit.fit_many(codes, RATE_HZ)
+    assert evened.resolved["Q"].all()
+    assert_same(allanfit.fit_many(codes.astype(kind), RATE_HZ), evened)
+
+
 @pytest.mark.parametrize("broken", [np.nan, np.inf])
 def test_a_broken_sensor_leaves_the_others(batch, together, broken):
     spoilt = batch.copy()

@@ -273,3 +273,21 @@ def blocks_of(path, **options):
     blocks = read_in_blocks(path, block_samples=1024, **options)
     list(blocks)
     return blocks
+
+
+@pytest.mark.parametrize("gaps", [{30_000: 5.0}, {9_000: 2.5, 21_000: 7.25, 40_000: 1.5}])
+def test_gaps_are_told_where_and_for_how_long_as_of_the_whole(gaps, tmp_path):
+    time = np.arange(ROWS) / RATE_HZ
+    for at, length in gaps.items():
+        time[at:] += length
+    longest = max(gaps, key=gaps.__getitem__)
+    np.savez(tmp_path / "a.npz", time_s=time, gyro_x=CODES[:, 0] / 1000)
+    where = f"{gaps[longest] + 1 / RATE_HZ:.4g} s at {time[longest - 1]:.6g} s: about "
+    where += f"{round(sum(gaps.values()) * RATE_HZ)} samples are missing there"
+    blocks = read_in_blocks(tmp_path / "a.npz", unit="deg/s", block_samples=4096)
+    assert sum(run.samples.size for run in blocks) == ROWS
+    for found in (load(tmp_path / "a.npz", unit="deg/s"), blocks):
+        (told,) = (each for each in found.findings if "samples are missing there" in each)
+        assert where in told
+        if len(gaps) > 1:
+            assert "11.28 s in all" in told

@@ -209,6 +209,10 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
         ("word " * 50_000, "has lines of more than 64 kB: write one sample"),
         (bytes(range(256)) * 20, "is not plain text: a spreadsheet has to be saved as CSV"),
         (f"{HEADER}\n1,2,3\n".encode("utf-16-le"), "is not plain text"),
+        (
+            f"{HEADER}\n1,2,3\n4,5,6\n7".encode() + b"\0" * 512 + b",8\n",
+            "behind the line '4,5,6' it is damaged, and holds bytes of zero",
+        ),
         (f"1,2,3\n{HEADER}\n1,2\n3,4\n", "2 lines stand above the numbers, the first '1 2 3', and"),
         (f"{HEADER}\nw,w,w\n1,2,3\n", "two columns named w: rename one"),
         ("Logger v3\n1,2,3\n", "line 1: 'Logger v3' has 1 fields and the numbers below it 3"),
@@ -266,3 +270,11 @@ def test_damaged_gzip(damage, write, noise):
     data = gzip.compress(f"{HEADER}\n{lines(noise)}".encode())
     with pytest.raises(RecordingError, match=r"bad\.csv\.gz is not a complete gzip file"):
         load(write("bad.csv.gz", damage(data)), rate_hz=100.0)
+
+
+def test_units_behind_commas_between_semicolons(write):
+    noise = np.random.default_rng(1).standard_normal(400)
+    rows = "".join(f"{10 * k};{value:.5f}\n" for k, value in enumerate(noise))
+    recording = load(write("a.csv", f"Time,ms;Gx, dps\n{rows}"))
+    assert recording.rate_hz == pytest.approx(100)
+    assert [(each.name, each.unit) for each in recording.channels] == [("Gx, dps", "deg/s")]

@@ -109,6 +109,65 @@ def test_a_unit_given_mends_an_unknown_one_of_the_file(archive, noise):
     assert units_of(load(path, unit="deg/s")) == ["deg/s"]
 
 
+def test_a_unit_given_for_channels_that_are_not_asked_for_is_no_mistake(archive, noise):
+    path = archive(Gyr_X=noise[:, 0], Acc_X=noise[:, 1], rate_hz=100.0, units=None)
+    for read in (load, read_in_blocks):
+        (channel,) = read(path, unit="rad/s, m/s^2", channels=["Gyr_X"]).channels
+        assert channel.unit == "rad/s"
+        with pytest.raises(RecordingError, match="fits none of the channels: Gyr_X is in"):
+            read(path, unit="m/s^2", channels=["Gyr_X"])
+    stated = archive(Gyr_X=noise[:, 0], Acc_X=noise[:, 1], units='{"Gyr_X": "dps", "Acc_X": "g"}')
+    assert units_of(load(stated, unit="rad/s, m/s^2", channels=["Gyr_X"])) == ["rad/s"]
+    with pytest.raises(RecordingError, match="The unit V fits none of the channels: Gyr_X is in"):
+        load(stated, unit="rad/s, V", channels=["Gyr_X"])
+    # A clock and a thermometer are no channels that it could be for.
+    clock = archive(
+        Gyr_X=noise[:, 0], time=np.arange(400) / 100, temperature=25 + noise[:, 1], units=None
+    )
+    with pytest.raises(RecordingError, match=r"m/s\^2 fits none of the channels"):
+        load(clock, unit="rad/s, m/s^2", channels=["Gyr_X"])
+
+
+@pytest.mark.parametrize(
+    ("stated", "given", "used"),
+    [
+        ("rad/s", "deg/s", "deg/s"),
+        ("deg/s", "mdps, g", "mdps"),
+        ("deg/s", "1/131 deg/s", "0.007634 deg/s"),
+        ("m/s^2", "g", "g"),
+        ("V", "mV", "mV"),
+    ],
+)
+def test_a_unit_that_is_not_the_files_is_said(stated, given, used, archive, write, noise):
+    rows = "".join(f"{a:.9f},{b:.9f},1\n" for a, b in 1e-3 * noise[:, :2])
+    text = write("mix.csv", f"wx [{stated}],wy [{stated}],ax [g]\n{rows}".encode())
+    units = f'{{"wx": "{stated}", "wy": "{stated}"}}'
+    packed = archive(wx=1e-3 * noise[:, 0], wy=1e-3 * noise[:, 1], units=units)
+    told = f"The file says {stated} for wx, wy; --unit {used} was used instead."
+    for path in (text, packed):
+        given_here = given if path is text else given.split(",")[0]
+        for read in (load, read_in_blocks):
+            asked = {"rate_hz": 100.0, "channels": ["wx", "wy"]}
+            assert told in read(path, unit=given_here, **asked).findings
+            assert not any("was used instead" in each for each in read(path, **asked).findings)
+
+
+@pytest.mark.parametrize(
+    ("stated", "given"),
+    [
+        ("deg/s", "dps"),
+        ("°/s", "deg/s"),
+        ("dps", "1000 mdps"),
+        ("m/s2", "m/s^2"),
+        ("counts", "LSB"),
+    ],
+)
+def test_the_same_unit_spelled_otherwise_and_none_are_not_said(stated, given, archive, noise):
+    for units in (f'{{"x": "{stated}"}}', None, '{"x": "furlong"}'):
+        found = load(archive(x=1e-3 * noise[:, 0], units=units), unit=given).findings
+        assert not any("was used instead" in each for each in found)
+
+
 def test_no_unit_is_said_once(archive, noise):
     recording = load(archive(**mixed(noise, None)))
     assert [channel.kind for channel in recording.channels] == ["other"] * 3
@@ -133,7 +192,8 @@ def test_gravity_in_another_unit_is_said(level, unit, says, archive, noise):
     path = archive(**axes, units=str(units).replace("'", '"'))
     (finding,) = load(path).findings
     assert f"would be gravity in {says}: if so, give --unit {says}." in finding
-    assert load(path, unit=says).findings == ()
+    told = f"The file says {unit} for accel_x, accel_y, accel_z; --unit {says} was used instead."
+    assert load(path, unit=says).findings == (told,)
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,13 @@ def moved():
     return data, fit, temperature_sensitivity(fit, data, WARM_UP)
 
 
+def test_single_precision_gives_the_effect_of_the_same_values(moved):
+    data, fit, _ = moved
+    x = data.astype(np.float32)
+    found = [temperature_sensitivity(fit, each, WARM_UP).draws for each in (x, x.astype(float))]
+    np.testing.assert_array_equal(*found)
+
+
 def test_the_sensitivities_are_found(moved):
     _, fit, effect = moved
     (low, high), (low_2, high_2) = np.asarray(effect.interval(0.95))

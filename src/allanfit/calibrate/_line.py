@@ -20,8 +20,15 @@ class Line(NamedTuple):
     studentized: Float[Array, " readings"]
 
 
-def straight_line(reference: Float[Array, " readings"], reading: Float[Array, " readings"]) -> Line:
-    """Fit bias and slope error; the covariance has readings - 2 degrees of freedom."""
+def straight_line(
+    reference: Float[Array, " readings"],
+    reading: Float[Array, " readings"],
+    rounding: float | Float[Array, ""],
+) -> Line:
+    """Fit bias and slope error; the covariance has readings - 2 degrees of freedom.
+
+    `rounding` is the least standard deviation that a reading has, for `studentized`.
+    """
     unit = jnp.max(jnp.abs(reference))
     columns = jnp.stack([jnp.ones_like(reference), reference / unit], axis=1)
     inverse = jnp.linalg.inv(columns.T @ columns)
@@ -35,5 +42,5 @@ def straight_line(reference: Float[Array, " readings"], reading: Float[Array, " 
         value=value * scale,
         covariance=squares / jnp.maximum(freedom, 1) * inverse * scale[:, None] * scale,
         residual=residual,
-        studentized=studentized(residual, leverage, freedom),
+        studentized=studentized(residual, leverage, freedom, rounding),
     )

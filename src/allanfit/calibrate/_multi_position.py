@@ -13,7 +13,7 @@ from ._gravity import checked_gravity, refuse_wrong_unit
 from ._intervals import Intervals, normal_intervals, student_intervals
 from ._known_attitude import attitude_columns, fit_attitudes
 from ._norm_fit import ORTHOGONAL, PARAMETERS, NormFit, correction_matrix, fit_norm, jacobian
-from ._outlier import stands_out, studentized
+from ._outlier import rounding, stands_out, studentized
 from ._positions import PositionData, Positions, read_positions
 from ._result import AxisCalibration, Calibration, Correction, Quantity, Residuals
 
@@ -25,6 +25,8 @@ _POOR_CONDITION = 30.0
 _ALONG_AXES = 0.2
 _LARGEST_SCALE_ERROR = 0.3
 _INCONSISTENT = 0.01
+# Parts of gravity.
+_SOLVED = 1e-9
 _NORM_CONVENTION = (
     "a = T K (y - b), K = diag(1/(1 + S)), T = [[1, -alpha_yz, alpha_zy], [0, 1, -alpha_zx], "
     "[0, 0, 1]] (Tedaldi et al. 2014): x is the sensor's own axis, y lies in the plane of its x "
@@ -84,7 +86,8 @@ def multi_position(
       `Recording`, which is cut into the stretches in which the sensor was at rest.
     - `gravity`: where the test was made [m/s^2]; the standard one if not given.
     - `unit`, `channels`, `topic`: as in `allanfit.load`; without any unit, m/s^2.
-    - `sigma`: standard deviation of a mean, in the unit of the readings, if it is known.
+    - `sigma`: standard deviation of a mean, in the unit of the readings, if it is known; of raw
+      codes in the unit behind the scale factor.
     - `reference`: the specific force along the axes of the body, of any length, shape
       (positions, 3).
     - `orthogonal`: take the axes as orthogonal, for bias and scale factor from six positions.
@@ -139,7 +142,10 @@ def _by_norm(
     about += _about_fit(condition, squares, freedom, sigma)
     slopes = _jacobian(fit.value, readings)
     leverage = jnp.sum((slopes @ fit.inverse) * slopes, axis=1)
-    about += _about_outlier(np.asarray(studentized(fit.residual, leverage, freedom)), freedom)
+    rounded = _rounding(found, gravity)
+    about += _about_outlier(
+        np.asarray(studentized(fit.residual, leverage, freedom, rounded)), freedom
+    )
     interval = _interval(squares, freedom, sigma)
     errors = np.sqrt(np.diag(np.asarray(fit.inverse)))
     values = np.asarray(fit.value)
@@ -198,7 +204,11 @@ def _by_attitude(
     about = _about_fit(condition, float(squares.sum()), 3 * freedom, sigma)
     columns = attitude_columns(jnp.asarray(reference))
     leverage = jnp.sum((columns @ fit.inverse) * columns, axis=1)
-    each = [studentized(residual, leverage, freedom) for residual in jnp.asarray(fit.residual.T)]
+    rounded = _rounding(found, gravity)
+    each = [
+        studentized(residual, leverage, freedom, rounded)
+        for residual in jnp.asarray(fit.residual.T)
+    ]
     about += _about_outlier(np.stack(each, axis=1), freedom, found.axes)
     axes, misalignment = {}, {}
     for i, axis in enumerate(found.axes):
@@ -232,6 +242,13 @@ def _by_attitude(
         misalignment_convention=_ATTITUDE_CONVENTION,
         correction=Correction(np.linalg.inv(fit.matrix), fit.bias * factor, unit, found.axes),
     )
+
+
+def _rounding(found: Positions, gravity: float) -> float:
+    """Least standard deviation of a reading, by its rounding, in parts of gravity."""
+    rounded = rounding(found.readings / found.unit.factor) * found.unit.factor / gravity
+    # The solver stops before rounding alone is left, and no sensor is known as well.
+    return max(rounded, _SOLVED)
 
 
 def _parameters_told(found: Positions, gravity: float) -> tuple[int, tuple[str, ...]]:

@@ -12,10 +12,11 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from ..recording import Recording, is_recording, load
+from ..recording._channel_units import about_replaced
 from ..recording._csv import read_csv
 from ..recording._files import require_file
 from ..recording._timestamps import time_columns
-from ..recording._units import Unit, parse_unit
+from ..recording._units import Unit, parse_given, parse_unit
 from ._data import as_numbers
 from ._still import still_means
 
@@ -101,10 +102,12 @@ def _from_columns(
                 f"{name}: the column {column} has no number in row {bad[0] + 1}; fill it in or "
                 "leave the row out."
             )
+    own = _unit(units, axes, unit)
+    findings += tuple(about_replaced(dict.fromkeys(axes, own), units))
     readings = np.stack([columns[axis].astype(np.float64) for axis in axes], axis=1)
     if given:
         reference = np.stack([columns[each].astype(np.float64) for each in given], axis=1)
-    return _table(name, axes, readings, _unit(units, axes, unit), reference, findings)
+    return _table(name, axes, readings, own, reference, findings)
 
 
 def _letters(
@@ -137,7 +140,9 @@ def _unit(units: dict[str, str], axes: tuple[str, ...], given: str | None) -> Un
     names = set(stated.values())
     if len(names) > 1:
         raise ValueError(f"The axes are in different units, {', '.join(sorted(names))}; use one.")
-    unit = parse_unit(given if given is not None else next(iter(names), "m/s^2"))
+    unit, *_ = found = parse_given(given if given is not None else next(iter(names), "m/s^2"))
+    if len(found) > 1:
+        raise ValueError(f"The axes are in one unit; got {given!r}. Give one, as m/s^2, g or mg.")
     if unit.kind != "accelerometer":
         raise ValueError(
             f"The unit {unit.name or given!r} is not one of an acceleration; give m/s^2, g or mg."
@@ -171,7 +176,7 @@ def _table(
         )
     if reference is not None:
         reference = _directions(name, np.asarray(reference, np.float64), readings.shape)
-    return Positions(name, unit, axes, readings * unit.factor, reference, findings)
+    return Positions(name, unit, axes, readings * unit.scale * unit.factor, reference, findings)
 
 
 def _directions(

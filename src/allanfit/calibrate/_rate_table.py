@@ -11,7 +11,7 @@ from jaxtyping import Float64
 from ..formatting import significant
 from ._intervals import student_intervals
 from ._line import straight_line
-from ._outlier import stands_out
+from ._outlier import rounding, stands_out
 from ._rate_file import RateData, RatePairs, RateTable, read_rate_table
 from ._result import AxisCalibration, Calibration, Quantity, Residuals
 
@@ -158,8 +158,11 @@ def _calibrate(
 ) -> tuple[AxisCalibration, tuple[str, ...]]:
     signed = np.concatenate([rate, -rate]) + shift
     reading = np.concatenate([pairs.clockwise, pairs.counter_clockwise])
+    name, factor = pairs.unit.name, pairs.unit.factor
+    rounded = rounding(reading / factor) * factor
     with jax.enable_x64(True):
-        line = jax.tree.map(np.asarray, _straight_line(jnp.asarray(signed), jnp.asarray(reading)))
+        fitted = _straight_line(jnp.asarray(signed), jnp.asarray(reading), rounded)
+        line = jax.tree.map(np.asarray, fitted)
     bias, slope = (float(each) for each in line.value)
     if reference == "table":
         _refuse_mixed_signs(pairs, rate)
@@ -167,9 +170,8 @@ def _calibrate(
     told = reference == "earth" or len(np.unique(rate)) >= _FEWEST_RATES
     freedom = len(reading) - 2 if told else 0
     # Numbers that lie on a line exactly are still rounded.
-    rounding = np.finfo(float).eps * np.array([np.abs(signed).max(), 1.0])
-    errors = np.maximum(np.sqrt(np.diag(line.covariance)), rounding)
-    name, factor = pairs.unit.name, pairs.unit.factor
+    least = np.finfo(float).eps * np.array([np.abs(signed).max(), 1.0])
+    errors = np.maximum(np.sqrt(np.diag(line.covariance)), least)
 
     def quantity(value: float, error: float) -> Quantity:
         return Quantity(value, "1", student_intervals(value, float(error), freedom))

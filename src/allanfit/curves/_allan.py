@@ -51,7 +51,7 @@ def allan_variance(
     **Raises:** `ValueError` for a size out of range, fewer than 3 samples, or data that is not
     one or two axes of real numbers.
     """
-    series = as_series(data, rate_hz)
+    series = as_series(data, rate_hz, single=True)
     samples = series.shape[-1]
     sizes = default_cluster_sizes(samples) if cluster_sizes is None else np.asarray(cluster_sizes)
     if sizes.ndim != 1 or not np.issubdtype(sizes.dtype, np.integer):

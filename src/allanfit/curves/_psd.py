@@ -52,7 +52,7 @@ def psd(
 
     **Raises:** `ValueError` for a wrong shape, rate, taper or number of bins.
     """
-    series = as_series(data, rate_hz)
+    series = as_series(data, rate_hz, single=True)
     if taper not in ("mirror", "hann", "none"):
         raise ValueError(f'taper must be "mirror", "hann" or "none"; got {taper!r}')
     if bins_per_decade is not None and bins_per_decade < 1:

@@ -58,7 +58,7 @@ def slope_reading(
 
     >>> slope_reading(samples, rate_hz=100.0)["N"]
     """
-    series = as_series(data, rate_hz)
+    series = as_series(data, rate_hz, single=True)
     sizes = octaves(series.shape[-1])
     variance = allan_variance(series, rate_hz, sizes)
     return read_slopes(jnp.asarray(sizes / rate_hz, variance.dtype), jnp.sqrt(variance))

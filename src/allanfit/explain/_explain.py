@@ -1,17 +1,18 @@
 """`explain`: what the five terms leave out of a recording, named, modelled and proven."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import jax
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..curves import unit_scale
 from ..formatting import finite
 from ..identify import fit_series
 from ..physics import Sampling
-from ..recording import Channel, Recording, RecordingError
+from ..recording import Channel, Recording, RecordingError, recording_of
 from ..temperature import believable, beside
 from ._after import fit_after
 from ._effect import Effect
@@ -34,8 +35,10 @@ _OF_VALUES = ("output_rounding", "sample_hold", "dropped_samples", "saturation",
 
 
 def explain_recording(
-    recording: Recording,
+    recording: Recording | Mapping[str, ArrayLike] | ArrayLike,
+    rate_hz: float | None = None,
     *,
+    unit: str | None = None,
     simulation: Path | str | Recording | None = None,
     sampling: Sampling = "point",
     posterior: bool = True,
@@ -48,20 +51,31 @@ def explain_recording(
     **Arguments:**
 
     - `recording`: from `allanfit.load`, or of arrays by `allanfit.recording_of`.
+    - `rate_hz`, `unit`: of arrays that are given in place of a recording; `recording_of` then
+      makes one of them.
     - `simulation`: a recording made by the user's simulator, or a file of one or of coefficients;
       mismatches are then those between recording and simulation.
     - `sampling`, `seed`: as in `allanfit.fit`.
     - `posterior`: without it the chains are a quarter as long, and intervals rough.
     - `announce`, `done`: called with each channel's name before its turn, and after it.
 
-    **Raises:** `TypeError` for what is no recording; `ValueError` for a simulation that cannot be
-    compared; `RecordingError` where gaps leave a channel no stretch of 64 samples.
+    **Raises:** `TypeError` for what is no recording and has no rate; `ValueError` for a rate or a
+    unit of a recording, which has its own, and for a simulation that cannot be compared;
+    `RecordingError` where gaps leave a channel no stretch of 64 samples.
     """
-    if not isinstance(recording, Recording):
+    if isinstance(recording, Recording):
+        if rate_hz is not None or unit is not None:
+            raise ValueError(
+                "a Recording knows its rate and unit; give them to allanfit.load or "
+                "allanfit.recording_of instead"
+            )
+    elif rate_hz is None:
         raise TypeError(
             "explain takes a recording: read one with allanfit.load, or make one of arrays with "
-            "allanfit.recording_of."
+            "allanfit.recording_of; or arrays with their rate_hz."
         )
+    else:
+        recording = recording_of(recording, rate_hz=rate_hz, unit=unit)
     # Steep filters leave powers that single precision cannot tell from nothing.
     with jax.enable_x64(True):
         compared_with = references(simulation, recording, sampling)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..identify import ChannelFit, RecordingFit
 from ..identify._fit_document import channel_header, coefficients_document
+from ..identify._nyquist import nyquist_score
 from ..physics import SYMBOLS
 from ._devices import places
 
@@ -95,7 +96,7 @@ def _numbers(each: ChannelFit) -> Row:
     row |= {
         "status": CONVERGED,
         "p_value": float(result.goodness_of_fit),
-        "nyquist_score": float(result.estimate.quantization_score),
+        "nyquist_score": nyquist_score(result),
     }
     for symbol, entry in coefficients_document(result, channel).items():
         low, high = entry["intervals"]["0.95"]

@@ -105,7 +105,8 @@ def fit_many(
         def between_even_ends(
             place: int, group: Int[np.ndarray, " group"], of=ruled, error=error, white=white
         ) -> Estimate:
-            rows = [even_ends(np.asarray(data[i]), error[i], white[i]) for i in of[group]]
+            # What is added to the ends is no whole number, and finer than single precision.
+            rows = [even_ends(np.asarray(data[i], float), error[i], white[i]) for i in of[group]]
             return one_group(place, of[group], np.stack(rows))
 
         again = gathered(between_even_ends, ruled.size)

@@ -28,6 +28,7 @@ from ._fit_document import channel_header, coefficients_document, recording_docu
 from ._goodness import MISFIT
 from ._influence import Influence, influence
 from ._influence_document import influence_document, influence_findings
+from ._nyquist import nyquist_score
 from ._sample import Posterior, sample
 
 SCHEMA = "allanfit.fit/1"
@@ -82,7 +83,7 @@ class ChannelFit:
                 "Something is left out of the five-term model, and the coefficients carry its "
                 "mark: their intervals are only as good as the model."
             )
-        if float(self.fit.estimate.quantization_score) < -_DEFICIT:
+        if nyquist_score(self.fit) < -_DEFICIT:
             found.append(
                 "The spectrum falls toward the Nyquist frequency, which would take a negative Q^2: "
                 "a low-pass filter or repeated samples. N is then read too low, and B and K are "

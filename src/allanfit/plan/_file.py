@@ -21,6 +21,8 @@ class FilePlan:
     file: str
     channels: dict[str, Plan]
     units: dict[str, str]
+    left_out: tuple[str, ...] = ()
+    """Which channels have no plan, and why, a sentence each."""
 
     @property
     def duration_s(self) -> float | None:
@@ -39,6 +41,7 @@ class FilePlan:
                 {"channel": name, "unit": self.units[name], **entry.to_dict()}
                 for name, entry in self.channels.items()
             ],
+            "left_out": list(self.left_out),
         }
 
 
@@ -52,22 +55,37 @@ def plan_file(
 ) -> FilePlan:
     """Plan for the channels of a fit JSON, or for a YAML or JSON mapping of symbols to values.
 
-    What a fit has not resolved counts as absent: its size is not known. `sampling` is the file's
-    unless given.
+    What a fit has not resolved counts as absent: its size is not known. A channel that lacks what
+    is wanted is left out. `sampling` is the file's unless given.
 
-    **Raises:** `ValueError` as `allanfit.plan` does, naming the channel, and `CoefficientsError`
-    as `read_coefficients` does.
+    **Raises:** `ValueError` as `allanfit.plan` does, or where no channel has what is wanted, naming
+    the first, and `CoefficientsError` as `read_coefficients` does.
     """
     path = Path(path)
     want = checked_want(want)
     entries = read_coefficients(path, channels)
     unresolved = _unresolved(path)
-    plans = {}
+    plans, lacking = {}, {}
     for entry in entries:
         known = _without(entry, unresolved.get(entry.channel, set()))
-        _refuse_absent(known, want, path.name)
+        absent = [symbol for symbol in want if not known.values.get(symbol)]
+        if absent:
+            lacking[entry.channel] = absent
+            continue
         plans[entry.channel] = plan(known.values, rate_hz, want, sampling or entry.sampling)
-    return FilePlan(path.name, plans, {entry.channel: entry.unit for entry in entries})
+    if not plans:
+        channel, (symbol, *_) = next(iter(lacking.items()))
+        raise ValueError(
+            f"{symbol} is wanted, but {channel} of {path.name} has none that is resolved and "
+            f"above zero; leave {symbol} out, or choose channels that have it."
+        )
+    left_out = tuple(
+        f"{channel} is left out: it has no {' and no '.join(absent)} that is resolved and above "
+        "zero."
+        for channel, absent in lacking.items()
+    )
+    units = {entry.channel: entry.unit for entry in entries if entry.channel in plans}
+    return FilePlan(path.name, plans, units, left_out)
 
 
 def _unresolved(path: Path) -> dict[str, set[str]]:
@@ -87,12 +105,3 @@ def _unresolved(path: Path) -> dict[str, set[str]]:
 def _without(entry: Coefficients, symbols: set[str]) -> Coefficients:
     kept = {symbol: value for symbol, value in entry.values.items() if symbol not in symbols}
     return replace(entry, values=kept)
-
-
-def _refuse_absent(entry: Coefficients, want: Mapping[str, float], file: str) -> None:
-    for symbol in want:
-        if not entry.values.get(symbol):
-            raise ValueError(
-                f"{symbol} is wanted, but {entry.channel} of {file} has none that is resolved and "
-                f"above zero; leave {symbol} out, or choose channels that have it."
-            )

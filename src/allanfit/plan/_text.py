@@ -34,11 +34,14 @@ def plan_text(found: FilePlan) -> str:
     lines = [*textwrap.wrap(heading, _WIDTH), "", *aligned(lengths)]
     lines += ["", "What that tells of each coefficient:", "", *aligned(errors), ""]
     if len(plans) > 1 and found.duration_s is not None:
-        lines += [f"Record {duration(found.duration_s)} for all channels.", ""]
+        which = "these" if found.left_out else "all"
+        lines += [f"Record {duration(found.duration_s)} for {which} channels.", ""]
     lines += textwrap.wrap(_LEGEND, _WIDTH)
     for name, entry in plans.items():
         for note in entry.notes:
             lines += textwrap.wrap(f"{printable(name)}: {note}", _WIDTH, subsequent_indent="  ")
+    for sentence in found.left_out:
+        lines += textwrap.wrap(printable(sentence), _WIDTH, subsequent_indent="  ")
     return "\n".join(lines)
 
 

@@ -29,6 +29,11 @@ def parse_want(text: str) -> dict[str, float]:
 
 def checked_want(want: Mapping[str, float]) -> dict[str, float]:
     """The same mapping; `ValueError` where it asks for nothing, or for what cannot be."""
+    if not isinstance(want, Mapping):
+        raise ValueError(
+            "want is a mapping of symbols to fractions, as {'N': 0.01, 'B': 0.1}; "
+            f"got {want!r:.60}."
+        )
     if not want:
         raise ValueError(f"Nothing is wanted; name a coefficient and its error, as in {_EXAMPLE}.")
     for symbol, error in want.items():

@@ -81,6 +81,7 @@ class Blocks:
         self._units = units_of(self._asked, aside, first, unit)
         self._findings = dict.fromkeys((*first.findings, *about_beside(first, aside, self._asked)))
         self._samples, self._seconds, self._lost, self._breaks = 0, 0.0, 0.0, 0
+        self._gaps: list[tuple[int, float, int]] = []
         self._wrong: list[int] = []
         self._off_s = 0.0
         self._doubts: list[tuple[int, tuple[str, ...]]] = []
@@ -110,11 +111,7 @@ class Blocks:
             *about_copies(self._copies, self._rows_read),
             *about_wrong(self._wrong, self._off_s),
         ]
-        if self._breaks:
-            found.append(
-                f"The time stamps break {count(self._breaks, 'time')}: samples are missing there, "
-                "and nothing is put in place."
-            )
+        found += self._about_breaks()
         found += [
             f"Left out of {name} as {what}: {count(number, 'sample')}."
             for what, left_out in (
@@ -131,6 +128,28 @@ class Blocks:
                 f"blocks gave findings, first the one from sample {first}: {' '.join(said)}"
             )
         return tuple(found)
+
+    def _about_breaks(self) -> list[str]:
+        if not self._breaks:
+            return []
+        where, missing = "", "samples"
+        if self._gaps:
+            numbers = [number for _, _, number in self._gaps]
+            longest = max(range(len(self._gaps)), key=lambda k: self._gaps[k][1])
+            at, length_s, _ = self._gaps[longest]
+            # What was missing before it took its time as well.
+            time_s = (at + sum(numbers[:longest])) / self.rate_hz
+            where = f"{length_s:.4g} s at {time_s:.6g} s"
+            if self._breaks == 1:
+                where = f", for {where}"
+            else:
+                whole_s = sum(length for _, length, _ in self._gaps)
+                where = f", for {whole_s:.4g} s in all, the longest {where}"
+            missing = f"about {sum(numbers)} samples"
+        return [
+            f"The time stamps break {count(self._breaks, 'time')}{where}: {missing} are missing "
+            "there, and nothing is put in place."
+        ]
 
     def __iter__(self) -> Iterator[Run]:
         looks = {channel.name: FrozenBlocks() for channel in self.channels}
@@ -218,6 +237,7 @@ class Blocks:
             self._doubts.append((self._samples, said))
         self._judged += 1
         self._breaks += len(breaks)
+        self._gaps += [(self._samples + at, long_s, lost) for at, long_s, lost in clock.gaps]
         self._samples += known
         self._seconds += known / clock.rate_hz
         self._lost += known * clock.lost

@@ -1,15 +1,19 @@
 """The unit of each channel, and what its name tells of the sensor: `units_of`, `about_units`."""
 
+import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from ..formatting import significant
 from ._no_sensor import why_flag
-from ._other_sensors import is_other_sensor
+from ._other_sensors import is_field_or_attitude, is_other_sensor
 from ._recording import RecordingError, Table
+from ._temperature import is_temperature
+from ._timestamps import time_columns
 from ._unit_endings import unit_in_name
-from ._units import Unit, parse_given, parse_unit
+from ._units import Unit, parse_given, parse_unit, ratio
 
 _KIND_BY_NAME = (
     ("gyro", re.compile(r"gyr|omega|ang(ular)?_?(rate|vel)|^w[_ ]?[xyz]$", re.IGNORECASE)),
@@ -22,7 +26,13 @@ _RATE_OR_GRAVITY = re.compile(r"g([_ ]?[xyz])", re.IGNORECASE)
 def units_of(
     names: list[str], aside: set[str], table: Table, override: str | None
 ) -> dict[str, Unit]:
-    """The unit of each channel, `override` put in place where it fits."""
+    """The unit of each channel, `override` put in place where it fits.
+
+    Where one of the units given fits, another may be for channels of the file that are not asked
+    for.
+
+    **Raises** `RecordingError` for an unknown unit, and one given that fits nothing.
+    """
     given = [] if override is None else parse_given(override)
     units = {
         name: Unit(table.unit(name), si_unit=table.unit(name))
@@ -30,8 +40,13 @@ def units_of(
         else _unit(name, table.units.get(name, ""), given, names)
         for name in names
     }
+    fitting = list(units.values())
+    if any(each in fitting for each in given):
+        others = [name for name in _channels(table) if name not in names]
+        everything = [*names, *others]
+        fitting += [_unit(name, table.units.get(name, ""), given, everything) for name in others]
     for each in given:
-        if each not in units.values():
+        if each not in fitting:
             raise RecordingError(
                 f"The unit {each.name} fits none of the channels: "
                 + ", ".join(
@@ -40,6 +55,19 @@ def units_of(
                 + "."
             )
     return units
+
+
+def _channels(table: Table) -> list[str]:
+    """What is neither a time nor of a sensor beside."""
+    times = time_columns(table.columns, table.units)
+    return [
+        name
+        for name in table.columns
+        if name not in times
+        and not is_temperature(name, table.unit(name), table)
+        and not is_field_or_attitude(name)
+        and not is_beside(name, table)
+    ]
 
 
 def _unit(name: str, stated: str, given: list[Unit], names: list[str]) -> Unit:
@@ -83,6 +111,7 @@ def about_units(units: dict[str, Unit], table: Table, override: str | None) -> l
     if ends:
         told = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in ends.items())
         findings.append(f"Units are taken from the names: {told}.")
+    findings += about_replaced(units, table.units)
     bare = [name for name, unit in units.items() if not unit.name]
     if bare:
         findings.append(
@@ -94,6 +123,33 @@ def about_units(units: dict[str, Unit], table: Table, override: str | None) -> l
         if unit.kind != "other" and expected not in (None, unit.kind):
             findings.append(f"The unit {unit.name} of {name} is not one of a {expected}.")
     return findings
+
+
+def about_replaced(units: Mapping[str, Unit], stated: Mapping[str, str]) -> list[str]:
+    """Findings on units of the file, `stated`, that the user's were put in place of."""
+    replaced: dict[tuple[str, str], list[str]] = {}
+    for name, unit in units.items():
+        known = stated.get(name, "")
+        if _means_another(known, unit):
+            scale = "" if unit.scale == 1 else f"{significant(unit.scale)} "
+            replaced.setdefault((known, f"{scale}{unit.name}"), []).append(name)
+    return [
+        f"The file says {known} for {', '.join(names)}; --unit {used} was used instead."
+        for (known, used), names in replaced.items()
+    ]
+
+
+def _means_another(stated: str, used: Unit) -> bool:
+    """Whether a file's unit is known, and not the one that is used, however that is spelled."""
+    if stated in ("", used.name) and used.scale == 1:
+        return False
+    try:
+        known = parse_unit(stated)
+    except RecordingError:
+        # Put right by the unit that was given.
+        return False
+    size = ratio(stated, used.name)
+    return bool(known.si_unit) and (size is None or not math.isclose(size, used.scale))
 
 
 def is_beside(name: str, table: Table) -> bool:

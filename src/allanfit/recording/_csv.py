@@ -179,7 +179,15 @@ def _begun(file: str, text: bytes) -> bytes:
 
 def _plain(file: str, text: bytes) -> bytes:
     """The text with line feeds alone at the ends of its lines."""
-    if b"\0" in text:
+    before, zero, _ = text.partition(b"\0")
+    if zero:
+        # What begins with lines of text is no spreadsheet.
+        line = before.rpartition(b"\n")[0].rpartition(b"\n")[2].strip()
+        if line and line.isascii() and line.decode().isprintable():
+            raise RecordingError(
+                f"{file} is not plain text: behind the line {line.decode()!r:.60} it is damaged, "
+                "and holds bytes of zero; leave out what is damaged."
+            )
         raise _not_plain(file)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")

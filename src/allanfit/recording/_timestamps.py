@@ -32,7 +32,7 @@ _WHOSE = "elapsed|epoch|unix|utc|gps|ros|system|sys|host|device|dev|sensor|sampl
 _NAME = re.compile(
     rf"(?:(?:(?:{_WHOSE})[_ ]?)?time(?:[_ ]?stamps?)?(?:[_ ]?elapsed)?"
     r"|stamps?|t|ts|elapsed|epoch|(?:gps[_ ]?)?tow|zeit)"
-    r"(?:_(s|secs?|seconds)|_?(ms|us|ns|msec|usec|nsec))?",
+    r"(?:(?:_|, *)(s|secs?|seconds)|(?:_|, *)?(ms|us|ns|msec|usec|nsec))?",
     re.IGNORECASE,
 )
 # Loggers that count give the unit as the name.
@@ -72,6 +72,8 @@ class Clock:
     """Share of the samples that were lost, where some were a few at a time; no long gaps."""
     losses: tuple[tuple[int, int], ...] = ()
     """Index of the first sample after each of these losses, and how many were lost."""
+    gaps: tuple[tuple[int, float, int], ...] = ()
+    """Index of the last sample before each gap, its length [s], and about how many are missing."""
     unit: str = ""
     """What the stamps count, one of s, ms, us and ns, where there are any."""
     wrong: tuple[int, ...] = ()
@@ -216,6 +218,7 @@ def read_clock(
         findings=findings,
         lost=lost_share,
         losses=losses,
+        gaps=tuple(zip(gaps.tolist(), steps[gaps].tolist(), counts[gaps].tolist(), strict=True)),
         unit=counted,
         wrong=tuple(wrong.tolist()),
         off_s=off_s,
