@@ -53,7 +53,7 @@ from ._options import (
     check_targets,
     refuse_other_pages,
 )
-from ._unused import tell_left_out, tell_undrawn
+from ._unused import tell_left_out, tell_undrawn, tell_unresolved
 
 _INTERRUPTED = 130  # as shells say it, and typer of the commands that keep nothing
 
@@ -200,8 +200,10 @@ def simulate(
     """
     check_targets((output,), (coefficients,))
     tell_left_out(coefficients)
+    entries = read_coefficients(coefficients, channel)
+    tell_unresolved(entries)
     columns, units = {}, {}
-    for index, entry in enumerate(read_coefficients(coefficients, channel)):
+    for index, entry in enumerate(entries):
         samples = simulate_series(
             entry.values,
             duration_s=duration,
