@@ -1,5 +1,9 @@
 """allanfit identifies the noise of inertial sensors from still recordings."""
 
+# First, since all else takes a second to load, in which Ctrl-C is told in one line.
+from . import _interrupt as _interrupt
+
+# isort: split
 from importlib.metadata import version as _version
 
 from . import calibrate as calibrate

@@ -3,9 +3,9 @@
 import math
 import reprlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from .coefficient_units import UNITS
 from .datasheet import Datasheet, datasheet_from, is_datasheet
@@ -26,6 +26,13 @@ class CoefficientsError(ValueError):
     """A coefficients file cannot be used; one sentence says why and what to do."""
 
 
+class Unresolved(NamedTuple):
+    """What a fit knows of a term that it cannot tell from none."""
+
+    median: float
+    upper_limit_95: float | None
+
+
 @dataclass(frozen=True)
 class Coefficients:
     """The coefficients and effects of one channel, in its unit and seconds."""
@@ -33,9 +40,18 @@ class Coefficients:
     channel: str
     unit: str
     values: dict[str, float]
+    """Without what a fit has not resolved."""
     sampling: Sampling = "point"
     bias: float = 0.0
     effects: tuple[AbstractEffect, ...] = ()
+    unresolved: dict[str, Unresolved] = field(default_factory=dict)
+
+    @property
+    def medians(self) -> dict[str, float]:
+        """What the figure of a fit draws: unresolved terms too, but no ramp that is none."""
+        # Half of all ramps that cannot be seen point the other way.
+        unseen = {s: term.median for s, term in self.unresolved.items() if s != "R"}
+        return self.values | unseen
 
     def times(self, factor: float, unit: str) -> "Coefficients":
         """The same in another unit."""
@@ -45,14 +61,21 @@ class Coefficients:
             values={symbol: value * factor for symbol, value in self.values.items()},
             bias=self.bias * factor,
             effects=tuple(scaled(effect, factor) for effect in self.effects),
+            unresolved={
+                symbol: Unresolved(
+                    term.median * factor,
+                    None if term.upper_limit_95 is None else term.upper_limit_95 * factor,
+                )
+                for symbol, term in self.unresolved.items()
+            },
         )
 
 
 def read_coefficients(path: str | Path, channels: list[str] | None = None) -> list[Coefficients]:
     """The coefficients of each channel of a file.
 
-    A fit's JSON (schema allanfit.fit/1) gives every channel, with the values that its figure
-    draws: medians, and no ramp where none is resolved. That of explain (schema
+    A fit's JSON (schema allanfit.fit/1) gives every channel, with the posterior medians of what
+    is resolved; the rest is beside them, as `unresolved`. That of explain (schema
     allanfit.explain/1) gives the coefficients beside the effects that it names, and the effects.
     A data sheet (see `allanfit.read_datasheet`) gives channels named like its sections, in SI.
     Any other JSON or YAML file is a mapping of symbols to numbers, with an optional `unit` and
@@ -142,12 +165,13 @@ def effects_of(entry: Mapping[str, Any]) -> tuple[AbstractEffect, ...]:
 def _from_fit(entry: Any, path: Path) -> Coefficients:
     try:
         terms = coefficients_of(entry)
-        values = {
-            symbol: float(terms[symbol]["value"])
+        values = {symbol: float(terms[symbol]["value"]) for symbol in SYMBOLS}
+        unresolved = {
+            symbol: Unresolved(values.pop(symbol), _limit(terms[symbol]))
             for symbol in SYMBOLS
-            # Half of all ramps that cannot be seen point the other way.
-            if symbol != "R" or terms[symbol]["resolved"]
+            if not terms[symbol]["resolved"]
         }
+        _checked({symbol: term.median for symbol, term in unresolved.items()}, path)
         bias = float(entry.get("mean", 0.0))
         sampling = entry.get("sampling", "point")
         if not abs(bias) <= _LARGEST or not isinstance(entry["channel"], str):
@@ -159,11 +183,17 @@ def _from_fit(entry: Any, path: Path) -> Coefficients:
             _sampling(sampling, path),
             bias,
             _effects(entry, path),
+            unresolved,
         )
     except CoefficientsError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise CoefficientsError(_INCOMPLETE.format(path.name)) from error
+
+
+def _limit(term: Mapping[str, Any]) -> float | None:
+    limit = term.get("upper_limit_95")
+    return None if limit is None else float(limit)
 
 
 def _from_datasheet(sheet: Datasheet) -> list[Coefficients]:

@@ -323,3 +323,22 @@ def test_a_plan_from_explain(write_explained, make_channel, capsys):
     path = write_explained(make_channel("gx"))
     assert main(["plan", str(path), "--rate", "100", "--want", "N=1%"]) == 0
     assert "N" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["kalibr", "ros", "matlab", "kalman"])
+def test_what_all_channels_have_alike_is_said_once(write_explained, make_channel, name):
+    effects = {"dropped_samples": {"fraction": (7.28e-4, "")}}
+    channels = [make_channel(f"g{axis}", unresolved="QR") for axis in "xyz"]
+    exported = export(write_explained(*channels, effects=effects), name)
+    (said,) = [each for each in exported.warnings if "missing" in each and "explain" in each]
+    assert "explain found in gx, gy and gz: samples that are missing (fraction" in said
+    # The JSON for a filter says of each effect of each channel how it entered, as it must.
+    assert name == "kalman" or exported.text.count("samples that are missing") == 1
+
+
+def test_what_channels_have_in_different_sizes_is_said_of_each(write_explained, make_channel):
+    """One amplitude of two units is not one."""
+    effects = {"sinusoid": {"amplitude": (0.02, ""), "frequency": (13.0, "Hz")}}
+    path = write_explained(make_channel("gx"), make_channel("gy", unit="rad/s"), effects=effects)
+    said = [each for each in export(path, "kalibr").warnings if "sinusoid" in each]
+    assert [each.split(":")[0].split()[-1] for each in said] == ["gx", "gy"]

@@ -190,3 +190,31 @@ def test_the_page_stands_alone_and_escapes_what_users_wrote(tmp_path):
     assert text.count("<svg") == 1
     assert "Devices that stand out: 1 channel" in text
     assert [path.name for path in tmp_path.iterdir()] == ["summary.html"]
+
+
+def test_a_copy_is_named_and_counts_once(tmp_path):
+    """Two copies change no number, and are told in the terminal and on the page."""
+    rows = [each | {"file_sha256": str(k)} for k, each in enumerate(fleet(12, 0.1, seed=4))]
+    again = [
+        rows[0] | {"device": "unit_1_copy", "path": "/fleet/unit_1_copy.npz"},
+        rows[11] | {"path": "/backup/unit_12.npz"},
+    ]
+    alone, found = compare(rows), compare([*again, *rows])
+    assert found.quantities == alone.quantities
+    assert found.outliers == alone.outliers
+    assert alone.copies == ()
+    said = (
+        "2 recordings are copies, byte for byte, and are left out of the comparison: "
+        "unit_1_copy.npz of unit_1.npz, /fleet/unit_12.npz of /backup/unit_12.npz."
+    )
+    run = run_of([*again, *rows])
+    assert said in " ".join(format_summary(run, found).split())
+    write_summary(run, found, tmp_path / "summary.html")
+    assert said in " ".join((tmp_path / "summary.html").read_text().split())
+    assert "byte for byte" not in format_summary(run, alone)
+
+
+def test_recordings_without_a_checksum_are_no_copies():
+    rows = [each | {"file_sha256": None} for each in fleet(6, 0.1)]
+    assert compare(rows).copies == ()
+    assert len(compare(rows).quantities[0].devices) == 6

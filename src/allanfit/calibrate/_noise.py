@@ -51,7 +51,7 @@ def stated_noise(given: StatedNoise, channel: Channel) -> Noise:
                 f"The noise in {os.fspath(given)} is in {entry.unit}, which is not a unit of "
                 f"{channel.name} ({channel.unit})."
             )
-        values, factor = entry.values, unit.factor if entry.unit else channel.factor
+        values, factor = entry.medians, unit.factor if entry.unit else channel.factor
     for symbol, value in values.items():
         if symbol not in SYMBOLS or not 0 <= value < np.inf:
             raise ValueError(

@@ -20,6 +20,7 @@ try:
 except ImportError:  # pragma: no cover - tried in a subprocess without the extra
     sys.exit("allanfit: the command line needs its extra; run: pip install 'allanfit[cli]'")
 
+from .._interrupt import INTERRUPTED, interrupts_at_work
 from ..coefficients import read_coefficients
 from ..compilation import configure_program
 from ..datasheet import read_datasheet
@@ -53,9 +54,7 @@ from ._options import (
     check_targets,
     refuse_other_pages,
 )
-from ._unused import tell_left_out, tell_undrawn
-
-_INTERRUPTED = 130  # as shells say it, and typer of the commands that keep nothing
+from ._unused import tell_left_out, tell_undrawn, tell_unresolved
 
 app = typer.Typer(
     name="allanfit",
@@ -200,8 +199,10 @@ def simulate(
     """
     check_targets((output,), (coefficients,))
     tell_left_out(coefficients)
+    entries = read_coefficients(coefficients, channel)
+    tell_unresolved(entries)
     columns, units = {}, {}
-    for index, entry in enumerate(read_coefficients(coefficients, channel)):
+    for index, entry in enumerate(entries):
         samples = simulate_series(
             entry.values,
             duration_s=duration,
@@ -342,7 +343,12 @@ def main(argv: Sequence[str]) -> int:
         configure_program()
         app(args=list(argv))
     except SystemExit as stop:
+        # Typer's, of a command that nobody else speaks for.
+        if stop.code == INTERRUPTED:
+            return _interrupted()
         return stop.code if isinstance(stop.code, int) else 1
+    except KeyboardInterrupt:
+        return _interrupted()
     except (ValueError, OSError, MemoryError, ImportError) as error:
         # Our own errors are one sentence each; whatever else arrives is made one line.
         text = str(error) or type(error).__name__
@@ -353,10 +359,16 @@ def main(argv: Sequence[str]) -> int:
             text = f"{told}: {error.strerror}."
         message = printable(" ".join(text.split()))
         typer.echo(f"allanfit: {message}", err=True)
-        return _INTERRUPTED if isinstance(error.__cause__, KeyboardInterrupt) else 1
+        return INTERRUPTED if isinstance(error.__cause__, KeyboardInterrupt) else 1
     return 0
+
+
+def _interrupted() -> int:
+    typer.echo("allanfit: Interrupted.", err=True)
+    return INTERRUPTED
 
 
 def run() -> None:
     """Entry point of the `allanfit` script."""
+    interrupts_at_work()
     sys.exit(main(sys.argv[1:]))

@@ -11,6 +11,19 @@ from ..formatting import printable
 from ..recording import Recording, load
 
 
+class StoppedError(ValueError):
+    """The user has stopped the command; its cause is the KeyboardInterrupt."""
+
+
+@contextmanager
+def _before_writing() -> Iterator[None]:
+    """What is done before anything is written can be stopped without a trace, which is said."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        raise StoppedError("Interrupted; nothing was written.") from stop
+
+
 def progress_bar() -> Progress:
     """A bar on stderr that vanishes when it is done; nothing where stderr is no terminal."""
     console = Console(stderr=True)
@@ -42,7 +55,7 @@ def load_with_progress(
 @contextmanager
 def reading(path: Path) -> Iterator[Callable[[int, int], None]]:
     """What to call with how much of a file is read, and of how much."""
-    with progress_bar() as progress:
+    with _before_writing(), progress_bar() as progress:
         task = progress.add_task(f"reading {path.name}", total=None)
         yield lambda read, whole: progress.update(task, completed=read, total=whole)
 
@@ -52,7 +65,7 @@ def channel_by_channel(
     doing: str, channels: int
 ) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
     """What to call with each channel's name before its turn, and after it."""
-    with progress_bar() as progress:
+    with _before_writing(), progress_bar() as progress:
         task = progress.add_task("reading", total=channels)
 
         def announce(name: str) -> None:

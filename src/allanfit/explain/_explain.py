@@ -149,6 +149,7 @@ def _explain_channel(
         drivers=drivers,
         lost=recording.lost,
         losses=recording.losses,
+        lost_deviation=recording.lost_deviation,
         seed=seed,
     )
     if not state.findings and state.unexplained is None:

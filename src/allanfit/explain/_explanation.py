@@ -29,6 +29,7 @@ from .lines._harmonics import Family, Line, families
 from .simulation._compare import compared
 from .simulation._document import simulation_curves, simulation_document
 from .simulation._references import Reference, terms_of
+from .simulation._unit import unit_advice
 from .spectrum._structure import NARROW
 
 SCHEMA = "allanfit.explain/1"
@@ -154,6 +155,8 @@ class ChannelExplanation:
     def advice(self) -> tuple[str, ...]:
         """What to do next, a sentence each."""
         said = []
+        if self.reference is not None:
+            said += unit_advice(self.terms, self.reference, self.channel)
         for effect in self.effects:
             for rival, chance in effect.alternatives.items():
                 if chance > 0.05:

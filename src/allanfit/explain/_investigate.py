@@ -81,6 +81,7 @@ def investigate(
     drivers: dict[str, Float[np.ndarray, "samples columns"]] | None = None,
     lost: float = 0.0,
     losses: Sequence[tuple[int, int]] = (),
+    lost_deviation: float = 0.0,
     seed: int = 0,
 ) -> Investigation:
     """Find what the five terms leave out of one channel.
@@ -88,11 +89,12 @@ def investigate(
     `power` are the squared coefficients of the five-term fit for a sampling interval of one, and
     `drivers` what may move the channel, by the name of the effect, centred; `lost` is the share of
     samples that time stamps say were lost on the way, and `losses` the first sample after each of
-    these losses with how many were lost. Without stamps a line may tell of them.
+    these losses with how many were lost; `lost_deviation` is that of the logarithm of `lost`, and
+    zero where all were lost one by one. Without stamps a line may tell of them.
 
     Of a sensor with a clock of its own the fresh values are investigated, a `stride` apart.
     """
-    known = Lost(lost, tuple(losses))
+    known = Lost(lost, tuple(losses), deviation=lost_deviation)
     ask = partial(_investigated, values, pieces, sampling, power, alarm, dict(drivers or {}), seed)
     state = ask(known)
     found = None if lost > 0 or state.stride > 1 else lost_on_the_way(state)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..formatting import significant
 from ..physics import AbstractAddedNoise, AbstractEffect, parameter_unit, parameter_values
+from ._doubts import listed
 from ._read import FitChannel
 from ._state_space import Part, State
 
@@ -52,13 +53,19 @@ def effect_entries(channel: FitChannel, how: Sequence[str]) -> list[dict[str, An
 
 
 def left_out(channels: Sequence[FitChannel], what: str, held: frozenset[str]) -> list[str]:
-    """A sentence for each effect that `what` cannot hold."""
+    """A sentence for each effect that `what` cannot hold, with all channels that have it alike.
+
+    Lost samples, for one, are the recording's, and each of its channels has as many.
+    """
+    found: dict[str, dict[str, FitChannel]] = {}
+    for channel in channels:
+        for effect in channel.effects:
+            if effect.name not in held:
+                said = f"{effect.what}{_description(effect, channel.unit)}"
+                found.setdefault(said, {})[channel.name] = channel
     return [
-        f"{what} has no place for what explain found in {channel.name}: {effect.what}"
-        f"{_description(effect, channel.unit)}."
-        for channel in channels
-        for effect in channel.effects
-        if effect.name not in held
+        f"{what} has no place for what explain found in {listed(alike.values())}: {said}."
+        for said, alike in found.items()
     ]
 
 

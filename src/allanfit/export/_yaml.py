@@ -15,7 +15,7 @@ def coefficients_yaml(fit: FitFile, options: Options) -> Exported:
         *comment(f"Noise coefficients of {fit.recording}, written by allanfit."),
         *comment("Simulate with: allanfit simulate FILE --duration S --rate HZ --output FILE"),
         *comment(
-            "Continuous time. One-sided densities: 2 N^2, B^2/(pi f), K^2/(2 pi^2 f^2). A ramp "
+            "Continuous time. One-sided densities: 2 N^2, B^2/(pi f), K^2/(2 pi^2 f^2). A term "
             "that is not resolved is not simulated."
         ),
         *(line for doubt in doubtful for line in comment(doubt)),

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..identify._goodness import MISFIT
 from ..physics import SYMBOLS
+from ._copies import Copy, find_copies, natural
 from ._devices import labels
 from ._outliers import FEWEST, Deviate, outliers
 from ._rows import CONVERGED, Row, columns
@@ -96,17 +97,26 @@ class Comparison:
 
     quantities: tuple[Quantity, ...]
     outliers: tuple[Outlier, ...]
+    copies: tuple[Copy, ...] = ()
+    """Recordings that are left out, since they would count a device twice."""
 
 
 def compare(rows: Sequence[Row]) -> Comparison:
-    """Compare the devices in the rows of a fleet; rows without a converged fit are left out."""
+    """Compare the devices in the rows of a fleet.
+
+    Rows without a converged fit are left out, and so are those of a recording whose file is, byte
+    for byte, that of another: one device would count as two that agree in all.
+    """
     fitted = [row for row in rows if row["status"] == CONVERGED]
+    copies = find_copies(fitted)
+    again = {copy.path for copy in copies}
+    fitted = [row for row in fitted if row["path"] not in again]
     named = labels([(row["path"], row["device"]) for row in fitted])
     groups: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in fitted:
         groups[row["quantity"], row["si_unit"]].append(row)
     for group in groups.values():
-        group.sort(key=lambda row: _natural(named[row["path"], row["device"]]))
+        group.sort(key=lambda row: natural(named[row["path"], row["device"]]))
     # The chance is shared out to all that is asked.
     asked = sum(len(group) >= FEWEST for group in groups.values()) or 1
     quantities, found = [], []
@@ -135,8 +145,8 @@ def compare(rows: Sequence[Row]) -> Comparison:
         found += _odd_spectra(group, devices, FALSE_ALARM * _SHARES["spectrum"] / asked)
         misfits = sum(row["p_value"] < MISFIT for row in group)
         quantities.append(Quantity(name, unit, devices, tuple(coefficients), misfits))
-    found.sort(key=lambda each: _natural(each.device))
-    return Comparison(tuple(quantities), tuple(found))
+    found.sort(key=lambda each: natural(each.device))
+    return Comparison(tuple(quantities), tuple(found), copies)
 
 
 def _coefficient(
@@ -243,10 +253,3 @@ def _outlier(
 def _gist(finding: str) -> str:
     """A finding without its numbers, which differ from device to device."""
     return re.sub(r"\d[\d.,e+-]*", "#", finding)
-
-
-def _natural(name: str) -> list[tuple[int, str]]:
-    """A key by which unit 2 comes before unit 10."""
-    return [
-        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
-    ]

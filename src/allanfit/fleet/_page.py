@@ -11,6 +11,7 @@ from ..report._template import drawn, render
 from ._compare import FALSE_ALARM, FEWEST, Comparison, Quantity
 from ._run import FleetRun
 from ._words import (
+    copies_sentence,
     counts_sentence,
     finding_sentence,
     fits_sentence,
@@ -35,6 +36,7 @@ def write_summary(run: FleetRun, comparison: Comparison, target: str | os.PathLi
         "summary.html.jinja",
         package="allanfit.fleet",
         counts=counts_sentence(run, len(devices)),
+        copies=copies_sentence(comparison.copies),
         quantities=[_quantity(each, number) for number, each in enumerate(quantities, start=1)],
         enough=any(len(each.devices) >= FEWEST for each in quantities),
         fewest=FEWEST,

@@ -6,6 +6,7 @@ from ..formatting import printable
 from ._compare import FALSE_ALARM, FEWEST, Comparison, Quantity
 from ._run import FleetRun
 from ._words import (
+    copies_sentence,
     counts_sentence,
     finding_sentence,
     fits_sentence,
@@ -23,6 +24,8 @@ def format_summary(run: FleetRun, comparison: Comparison) -> str:
     """Plain text: each quantity over the fleet, outliers, and what could not be analysed."""
     devices = {device for each in comparison.quantities for device in each.devices}
     blocks = [_wrapped(counts_sentence(run, len(devices)))]
+    if said := copies_sentence(comparison.copies):
+        blocks.append(_wrapped(said))
     blocks += [_quantity(each) for each in comparison.quantities]
     blocks.append(_outliers(comparison))
     if run.errors or run.kept:

@@ -1,13 +1,17 @@
 """What a comparison says, in sentences that the terminal and the page share."""
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
 
 from ..formatting import Reading, p_value, reading, significant
 from ._compare import Coefficient, Outlier, Quantity
+from ._copies import Copy
 from ._run import FleetRun
 
 # Above this p-value devices are not said to differ.
 _SIGNIFICANT = 0.05
+_COPIES = 10  # that are named; all are in the dataset
 
 
 def counts_sentence(run: FleetRun, devices: int) -> str:
@@ -27,6 +31,27 @@ def counts_sentence(run: FleetRun, devices: int) -> str:
             "stay."
         )
     return " ".join(parts)
+
+
+def copies_sentence(copies: Sequence[Copy]) -> str:
+    """Which recordings are there twice, and that they count once; "" where none is."""
+    if not copies:
+        return ""
+    told = [_copy(each) for each in copies[:_COPIES]]
+    if len(copies) > _COPIES:
+        told.append(f"and {len(copies) - _COPIES} more, see the column `file_sha256`")
+    one = len(copies) == 1
+    return (
+        f"{_count(len(copies), 'recording')} {'is a copy' if one else 'are copies'}, byte for "
+        f"byte, and {'is' if one else 'are'} left out of the comparison: {', '.join(told)}."
+    )
+
+
+def _copy(copy: Copy) -> str:
+    path, original = Path(copy.path), Path(copy.original)
+    if path.name == original.name:
+        return f"{path} of {original}"
+    return f"{path.name} of {original.name}"
 
 
 def middle_reading(coefficient: Coefficient) -> Reading:

@@ -1,13 +1,12 @@
 """A plan for every channel of a coefficients file."""
 
-import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..coefficients import Coefficients, coefficients_of, read_coefficients
-from ..physics import SYMBOLS, Sampling
+from ..coefficients import read_coefficients
+from ..physics import Sampling
 from ._plan import Plan, plan
 from ._want import checked_want
 
@@ -64,15 +63,13 @@ def plan_file(
     path = Path(path)
     want = checked_want(want)
     entries = read_coefficients(path, channels)
-    unresolved = _unresolved(path)
     plans, lacking = {}, {}
     for entry in entries:
-        known = _without(entry, unresolved.get(entry.channel, set()))
-        absent = [symbol for symbol in want if not known.values.get(symbol)]
+        absent = [symbol for symbol in want if not entry.values.get(symbol)]
         if absent:
             lacking[entry.channel] = absent
             continue
-        plans[entry.channel] = plan(known.values, rate_hz, want, sampling or entry.sampling)
+        plans[entry.channel] = plan(entry.values, rate_hz, want, sampling or entry.sampling)
     if not plans:
         channel, (symbol, *_) = next(iter(lacking.items()))
         raise ValueError(
@@ -86,22 +83,3 @@ def plan_file(
     )
     units = {entry.channel: entry.unit for entry in entries if entry.channel in plans}
     return FilePlan(path.name, plans, units, left_out)
-
-
-def _unresolved(path: Path) -> dict[str, set[str]]:
-    """Terms that a fit JSON, whose form has been checked, calls unresolved; else none."""
-    try:
-        document = json.loads(path.read_text(encoding="utf-8-sig"))
-    except ValueError:
-        return {}
-    return {
-        entry["channel"]: {
-            symbol for symbol in SYMBOLS if not coefficients_of(entry)[symbol].get("resolved", True)
-        }
-        for entry in document.get("channels", [])
-    }
-
-
-def _without(entry: Coefficients, symbols: set[str]) -> Coefficients:
-    kept = {symbol: value for symbol, value in entry.values.items() if symbol not in symbols}
-    return replace(entry, values=kept)

@@ -174,6 +174,7 @@ def _recording(
         checksum=digest.hexdigest(),
         lost=clock.lost,
         losses=clock.losses,
+        lost_deviation=clock.lost_deviation,
     )
 
 

@@ -60,6 +60,8 @@ class Recording:
     """Share of the samples that, by the time stamps, were lost, where some were a few at a time."""
     losses: tuple[tuple[int, int], ...] = ()
     """Index of the first sample after each of these losses, and how many were lost."""
+    lost_deviation: float = 0.0
+    """Standard deviation of the logarithm of `lost`: one event may lose many."""
 
 
 @dataclass(frozen=True)

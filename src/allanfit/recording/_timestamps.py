@@ -74,6 +74,8 @@ class Clock:
     """Index of the first sample after each of these losses, and how many were lost."""
     gaps: tuple[tuple[int, float, int], ...] = ()
     """Index of the last sample before each gap, its length [s], and about how many are missing."""
+    lost_deviation: float = 0.0
+    """Standard deviation of the logarithm of `lost`, by chance."""
     unit: str = ""
     """What the stamps count, one of s, ms, us and ns, where there are any."""
     wrong: tuple[int, ...] = ()
@@ -209,7 +211,11 @@ def read_clock(
     findings += _about_rate(rate_hz, given_hz)
     breaks = np.union1d(gaps, set_back) + 1
     # Where single samples are lost, so are the longer runs: no more than a pause is.
-    brief = int(counts[(counts > 0) & (counts < CATCH_UP)].sum()) if dropped else 0
+    together = counts[(counts > 0) & (counts < CATCH_UP)] if dropped else counts[:0]
+    brief = int(together.sum())
+    # What is lost together is lost by one chance: a sum of sizes, as many as chance has it, has the
+    # variance of the sum of their squares.
+    deviation = float(np.sqrt(np.sum(together**2))) / max(brief, 1)
     lost_share = brief / (told + brief)
     losses = tuple(zip((few + 1).tolist(), counts[few].tolist(), strict=True))
     return Clock(
@@ -219,6 +225,7 @@ def read_clock(
         lost=lost_share,
         losses=losses,
         gaps=tuple(zip(gaps.tolist(), steps[gaps].tolist(), counts[gaps].tolist(), strict=True)),
+        lost_deviation=deviation,
         unit=counted,
         wrong=tuple(wrong.tolist()),
         off_s=off_s,

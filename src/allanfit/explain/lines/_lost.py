@@ -105,7 +105,7 @@ def lost_on_the_way(state: Investigation) -> Lost | None:
     placed = [_placed(state, piece, line, band, way) for piece in state.long_pieces]
     frequency = band.frequency(way.drift)
     rate, deviation = (each / band.apart for each in jumps_told(asked.whole, way, losses))
-    return Lost(rate / (1 + rate), tuple(chain(*placed)), frequency, gain, deviation)
+    return Lost(rate / (1 + rate), tuple(chain(*placed)), frequency, gain, deviation / rate)
 
 
 class _Found(NamedTuple):

@@ -148,7 +148,7 @@ def _of_entry(
         si = entry.times(unit.factor, unit.si_unit)
         samples = len(recording.channels[0].samples)
         drawn = simulate(
-            si.values,
+            si.medians,
             duration_s=samples / recording.rate_hz,
             rate_hz=recording.rate_hz,
             seed=0,
@@ -170,7 +170,7 @@ def _of_entry(
         return replace(
             _of_channel(channel, made, sampling), unit_assumed=not entry.unit, undrawn=undrawn
         )
-    values = [abs(float(entry.values.get(symbol, 0.0))) * unit.factor for symbol in SYMBOLS]
+    values = [abs(float(entry.medians.get(symbol, 0.0))) * unit.factor for symbol in SYMBOLS]
     if not any(values[:4]):
         raise ValueError(
             f"The simulation of {entry.channel} has no noise to compare: give one of Q, N, B and K."

@@ -42,11 +42,11 @@ def probabilities(finding: Finding | None, name: str) -> tuple[float, dict[str, 
 
 def _dropped(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:
     lost: Lost = finding.detail
-    spread = max(lost.deviation, float(np.sqrt(lost.fraction / state.values.size)))
-    drawn = np.abs(lost.fraction + spread * rng.standard_normal(2000))
+    drawn = lost.draws(state.values.size, rng)
     line = "" if lost.frequency is None else f"{lost.frequency / dt:.5g} Hz"
+    told = {"fraction": lost.fraction}
     chance = min(SURE, 1 / (1 + float(np.exp(_SELDOM - lost.gain))))
-    return [Effect("dropped_samples", chance, {}, {"fraction": drawn}, note=line)]
+    return [Effect("dropped_samples", chance, {}, {"fraction": drawn}, note=line, told=told)]
 
 
 def _rounded(state: Investigation, finding: Finding, dt: float, rng) -> list[Effect]:

@@ -1,5 +1,6 @@
 """What samples that were lost on the way do to the others, and to a record made white."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ _HEARD = 0.05
 # N is too large at first, and what was lost is known the better the smaller it is.
 _PASSES = 5
 _DRAWS = 400
+# And of their fraction.
+_DRAWN = 2000
 
 
 class Lost(NamedTuple):
@@ -32,8 +35,18 @@ class Lost(NamedTuple):
     frequency: float | None = None
     #: How much likelier it is with losses, in log-likelihood; stamps leave no doubt.
     gain: float = 1e3
-    #: How well the fraction is known, if that is less well than so many by chance tell it.
+    #: Of the logarithm of the odds, if that is more than so many by chance, one by one, make it.
     deviation: float = 0.0
+
+    def draws(self, samples: int, rng: np.random.Generator) -> Float[np.ndarray, " draws"]:
+        """What the fraction may be, by what so many `samples` that are left tell of it.
+
+        Few losses tell a rate to a factor, and no rate is below zero.
+        """
+        odds = self.fraction / (1 - self.fraction)
+        spread = max(self.deviation, 1 / math.sqrt(odds * samples))
+        odds = odds * np.exp(spread * rng.standard_normal(_DRAWN))
+        return odds / (1 + odds)
 
 
 def count_losses_out(state: Investigation, losses: int, seed: int) -> None:
