@@ -250,6 +250,22 @@ def test_a_unit_in_a_name_gives_way(archive, noise, write):
     assert units_of(load(counted, unit="deg/s")) == ["deg/s"]
 
 
+def test_codes_take_what_one_of_them_is_worth(archive, noise):
+    """By the user, in place of the file's counts, and by the name of the channel."""
+    path = archive(
+        gyro_x=np.round(131 * noise[:, 0]),
+        ax=np.round(100 * noise[:, 1]),
+        units='{"gyro_x": "LSB", "ax": "counts"}',
+    )
+    recording = load(path, unit="1/131 deg/s, 0.01 g")
+    assert units_of(recording) == ["deg/s", "g"]
+    assert not any("instead" in finding for finding in recording.findings)
+    expected = np.radians(np.round(131 * noise[:, 0]) / 131)
+    np.testing.assert_allclose(recording.channels[0].samples, expected)
+    with pytest.raises(RecordingError, match="fits none of the channels"):
+        load(path, unit="deg/s")
+
+
 @pytest.mark.parametrize(
     ("name", "offset"),
     [("temp_degC", 0), ("temp_C", 0), ("imu_temp_C", 0), ("T_K", 273.15), ("board_celsius", 0)],

@@ -82,10 +82,20 @@ def _unit(name: str, stated: str, given: list[Unit], names: list[str]) -> Unit:
         unit, stated = Unit(""), ""
     measured = None if unit.kind == "other" else unit.kind
     kind = unit.kind if stated else _kind_by_name(name, names) or measured
+    if _are_codes(stated):
+        # What one of them is worth says the user.
+        worth = [each for each in given if each.scale != 1]
+        sensor = _kind_by_name(name, names)
+        unit = next((each for each in worth if sensor in (None, each.kind)), unit)
     fitting = (
         each for each in given if kind in (None, each.kind) or (each.kind == "other" and not stated)
     )
     return next(fitting, unit)
+
+
+def _are_codes(stated: str) -> bool:
+    """Whether a file's unit is that of raw codes, as counts or LSB."""
+    return bool(stated) and ratio(stated, "counts") is not None
 
 
 def _kind_by_name(name: str, names: Iterable[str] = ()) -> str | None:
@@ -141,7 +151,7 @@ def about_replaced(units: Mapping[str, Unit], stated: Mapping[str, str]) -> list
 
 def _means_another(stated: str, used: Unit) -> bool:
     """Whether a file's unit is known, and not the one that is used, however that is spelled."""
-    if stated in ("", used.name) and used.scale == 1:
+    if (stated in ("", used.name) and used.scale == 1) or (_are_codes(stated) and used.scale != 1):
         return False
     try:
         known = parse_unit(stated)
