@@ -81,6 +81,13 @@ def window_again(model: Model, data: Data) -> Model:
     return min(found, key=lambda each: each.deviance)
 
 
+def ripple_again(model: Model, data: Data) -> Model:
+    """A filter with ripple at its best, of any order, if it is a poor one without some ordinates."""
+    leading = _ahead(rippled_starts(model, data), data)
+    found = best([(model.kinds, model.theta), *floored_or_not(leading, model, data)], data)
+    return min(found, key=lambda each: each.deviance)
+
+
 def bumps(model: Model, data: Data) -> list[Candidate]:
     """A bump, smooth or flat, or a lack toward low frequency, where nothing named helps."""
     if model.kinds.shaping is not None:
