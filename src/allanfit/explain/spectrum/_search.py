@@ -82,7 +82,7 @@ def window_again(model: Model, data: Data) -> Model:
 
 
 def ripple_again(model: Model, data: Data) -> Model:
-    """A filter with ripple at its best, of any order, if it is a poor one without some ordinates."""
+    """A filter with ripple, of any order where it is a poor one after ordinates are left out."""
     leading = _ahead(rippled_starts(model, data), data)
     found = best([(model.kinds, model.theta), *floored_or_not(leading, model, data)], data)
     return min(found, key=lambda each: each.deviance)
