@@ -1,10 +1,13 @@
 """Sentences of an explanation."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from allanfit.explain._effect import Effect
+from allanfit.explain._effects import _described
 from allanfit.explain._words import effect_sentence, without_pointer
+from allanfit.physics import LowPass
 from allanfit.recording import recording_of
 
 
@@ -84,3 +87,13 @@ def test_a_corner_that_may_fold_has_the_digits_of_its_interval():
     }
     said = effect_sentence(Effect("low_pass", 0.99, {}, {}, band_hz=(9.2, 50.0)), shown)
     assert said.startswith("A low-pass filter at 40 Hz of order 2.00, or any corner from 30 to 270")
+
+
+def test_a_sentence_has_the_numbers_of_the_table():
+    """Where several kinds of filter are as likely, the likeliest at its best has others."""
+    best = LowPass(jnp.asarray(2.0), jnp.asarray(0.7), floor=jnp.asarray(-4.0))
+    told = {"cutoff_frequency": 2.0, "order": 1.94, "floor": -3.8}
+    words = "of order 1.94, and behind it white noise at -4 dB, as a converter adds"
+    assert _described(best, told) == words
+    # What is no floor is not told.
+    assert _described(best, {"cutoff_frequency": 2.0, "order": 1.94}) == ""

@@ -43,6 +43,8 @@ _CUT = (
 _TELEGRAPH = 0.15
 # From this droop on the second of two poles takes less than a fiftieth of the power anywhere.
 _ONE_POLE = 0.97
+# Lower at its best, white noise behind a filter is none [dB].
+_NO_FLOOR = -80.0
 # Ripple that nobody designs, and attenuation that no spectrum shows [dB].
 _FLAT_DB, _FALLING_DB = 0.005, 90.0
 # Cycles per sample.
@@ -108,6 +110,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
     found = []
     if draws.filtering is not None:
         cutoff, order, droop, ripple, attenuation, floor = draws.filtering.T
+        kind = sieve(kinds.shaping or "", state.model.theta[SHAPE], samples)
         if kinds.shaping in TWO_POLES:
             # Of two poles so far apart one is not seen, and with it no droop is.
             order = np.where((order == 2) & (droop > _ONE_POLE), 1.0, order)
@@ -116,14 +119,13 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
             values["droop"] = droop
         if kinds.shaping in RIPPLED:
             values |= {"ripple": ripple, "attenuation": attenuation}
-        if kinds.floored:
+        if kinds.floored and kind.floor is not None and float(kind.floor) > _NO_FLOOR:
             values["floor"] = floor
         # What is told together must belong together: the numbers of one kind of filter.
         told = {name: float(np.median(each[draws.of_likeliest])) for name, each in values.items()}
         if kinds.shaping in TWO_POLES and told["order"] == 1:
             values.pop("droop")
         values["cutoff_frequency"] = _of_any_converter(cutoff, seed) / dt
-        kind = sieve(kinds.shaping or "", state.model.theta[SHAPE], samples)
         flags = ("digital", "averaged", "recursive", "running_mean", "oversampled", "windowed")
         flag = {name: np.ones(2) for name in flags if getattr(kind, name)}
         if kinds.last and any(name != "drifting_line" for name in kinds.added):
@@ -137,7 +139,7 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 {**values, **flag},
                 {},
                 (told["cutoff_frequency"] / 4, 0.5 / dt),
-                note=_described(kind, kinds.floored),
+                note=_described(kind, told),
                 told=told,
             )
         )
@@ -237,13 +239,13 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
     return Effect("bump", SURE, {}, values, {}, band, note)
 
 
-def _described(kind: LowPass, floored: bool) -> str:
+def _described(kind: LowPass, told: dict[str, float]) -> str:
     """What is said of a filter that is not of Butterworth's kind, or floored; "" of any other."""
     shape = _shape(kind)
-    if not floored or kind.floor is None:
+    if "floor" not in told:
         return shape
-    shape = shape or f"of order {float(kind.order):.3g}"
-    return f"{shape}, and behind it white noise at {float(kind.floor):.0f} dB, as a converter adds"
+    shape = shape or f"of order {told['order']:.3g}"
+    return f"{shape}, and behind it white noise at {told['floor']:.0f} dB, as a converter adds"
 
 
 def _shape(kind: LowPass) -> str:
