@@ -78,8 +78,8 @@ EACH = 3
 SHAPING = EACH + 1
 SHAPE = slice(TERMS, TERMS + SHAPING)
 FLOOR = -60.0
-# Behind a filter; above more of the white noise what passes is a hump, and no filter's.
-_HIGHEST_FLOOR = 0.1
+# Behind a filter; more of the white noise is no floor but most of it.
+_HIGHEST_FLOOR = 0.9
 # The mean of two squared normal variates is above the exponential of this once in a hundred times.
 _TWO_ENDS = 1.6
 
