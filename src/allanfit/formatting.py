@@ -6,7 +6,7 @@ outside its interval.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal
 from typing import NamedTuple, SupportsFloat
 
@@ -162,6 +162,12 @@ def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
+
+
+def listed(phrases: Iterable[str]) -> str:
+    """Phrases as in a sentence: `a`, `a and b`, `a, b and c`."""
+    *others, last = phrases
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def printable(text: str) -> str:

@@ -157,10 +157,21 @@ def _passed(state: Investigation, frequencies: int) -> Float[np.ndarray, " frequ
     shaping = state.model.kinds.shaping
     if shaping is None or not state.model.kinds.filtering:
         return None
-    # Neither end has a spectrum of its own.
-    inside = np.arange(1, frequencies - 1) / (2 * (frequencies - 1))
-    theta, samples = state.model.theta[SHAPE], state.data.samples
-    return np.pad(filter_slopes(shaping, theta, points(inside), samples)[0], 1, mode="edge")
+    gain, _ = _gain_and_slopes(state, shaping, _inside(frequencies))
+    return np.pad(gain, 1, mode="edge")
+
+
+def _inside(frequencies: int) -> Float[np.ndarray, " inside"]:
+    """Those of a tile but zero and half the rate, which have no spectrum of their own."""
+    return np.arange(1, frequencies - 1) / (2 * (frequencies - 1))
+
+
+def _gain_and_slopes(
+    state: Investigation, shaping: str, frequency: Float[np.ndarray, " inside"]
+) -> tuple[Float[np.ndarray, " inside"], Float[np.ndarray, "inside three"]]:
+    """Of the filter in the model, on white noise."""
+    four, samples = state.model.theta[SHAPE], state.data.samples
+    return filter_slopes(shaping, four, points(frequency), samples)
 
 
 def _far_below_corner(state: Investigation, frequency: float) -> bool:
@@ -180,9 +191,8 @@ def _corner_moves(
     named, shaping = state.finding("low_pass"), state.model.kinds.shaping
     if named is None or shaping is None or named.gain <= 0:
         return None
-    frequency = np.arange(1, powers.shape[1] - 1) / (2 * (powers.shape[1] - 1))
-    nodes, four = points(frequency), state.model.theta[SHAPE]
-    folded, slopes = filter_slopes(shaping, four, nodes, state.data.samples)
+    frequency = _inside(powers.shape[1])
+    folded, slopes = _gain_and_slopes(state, shaping, frequency)
     # Louder noise may be the sensor's, which is filtered, or come in behind the filter.
     behind = None
     if state.modulation is not None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from ..formatting import listed
 from ._read import FitChannel, FitFile
 
 _EXPLAIN_IT = "run `allanfit explain` on the recording and export its JSON"
@@ -40,10 +41,4 @@ def no_white_noise(fit: FitFile, channel: FitChannel) -> str:
 def _unexplained(channels: list[FitChannel]) -> str:
     """Of channels that all have effects, or none."""
     named = " and what explain names" if channels[0].effects else ""
-    return f"five terms{named} do not explain {listed(channels)}"
-
-
-def listed(channels: Iterable[FitChannel]) -> str:
-    """The names of one channel or several: `x, y and z`."""
-    *others, last = (channel.name for channel in channels)
-    return f"{', '.join(others)} and {last}" if others else last
+    return f"five terms{named} do not explain {listed(channel.name for channel in channels)}"

@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..formatting import significant
+from ..formatting import listed, significant
 from ..physics import AbstractAddedNoise, AbstractEffect, parameter_unit, parameter_values
-from ._doubts import listed
 from ._read import FitChannel
 from ._state_space import Part, State
 
@@ -57,14 +56,15 @@ def left_out(channels: Sequence[FitChannel], what: str, held: frozenset[str]) ->
 
     Lost samples, for one, are the recording's, and each of its channels has as many.
     """
-    found: dict[str, dict[str, FitChannel]] = {}
+    # Names in their order, each once.
+    found: dict[str, dict[str, None]] = {}
     for channel in channels:
         for effect in channel.effects:
             if effect.name not in held:
                 said = f"{effect.what}{_description(effect, channel.unit)}"
-                found.setdefault(said, {})[channel.name] = channel
+                found.setdefault(said, {})[channel.name] = None
     return [
-        f"{what} has no place for what explain found in {listed(alike.values())}: {said}."
+        f"{what} has no place for what explain found in {listed(alike)}: {said}."
         for said, alike in found.items()
     ]
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..formatting import listed
 from ..physics import SYMBOLS, Sampling, check_sampling
 from ._errors import relative_errors
 from ._length import LONGEST_YEARS, longest_samples, shortest_samples
@@ -60,7 +61,9 @@ class Plan:
         ]
         absent = [symbol for symbol in SYMBOLS if symbol not in self.coefficients]
         if absent:
-            found.append(f"Zero, unresolved or not given, and so taken as absent: {listed(absent)}")
+            found.append(
+                f"Zero, unresolved or not given, and so taken as absent: {listed(absent)}."
+            )
         return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
@@ -153,12 +156,6 @@ def percent(fraction: float) -> str:
     if shown > 100:
         return "> 100 %"
     return f"{shown:.0f} %" if shown >= 10 else f"{shown:.2g} %"
-
-
-def listed(symbols: list[str]) -> str:
-    """`Q`, `Q and B`, `Q, B and R`, with a full stop."""
-    *first, last = symbols
-    return f"{', '.join(first)} and {last}." if first else f"{last}."
 
 
 def _present(coefficients: Mapping[str, float]) -> dict[str, float]:

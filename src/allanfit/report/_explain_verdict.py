@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..formatting import Number, beside_error, p_value, significant, with_error
-from ._explain_words import idle_parameters, listed, words
+from ._explain_words import counted, idle_parameters, words
 
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", and "perhaps"
@@ -40,7 +40,7 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
             return f"{start} explains how."
         return f"{start} explains how; a smooth bump stands for it in the better model."
     least = min(effect["probability"] for effect in effects)
-    left_out = listed([words(effect["name"]) for effect in effects])
+    left_out = counted([words(effect["name"]) for effect in effects])
     says = "" if least >= _SURE else "probably " if least >= _LIKELY else "perhaps "
     start = f"The five-term model {says}leaves out {left_out}"
     if verdict == "unexplained":
@@ -86,7 +86,7 @@ def simulation_sentence(channel: Mapping[str, Any]) -> str:
     absent = {entry.get("absent_from") or "simulation" for entry in physics}
     parts = []
     if off:
-        what = listed([each if len(each) == 1 else words(each) for each in off])
+        what = counted([each if len(each) == 1 else words(each) for each in off])
         parts.append(f"{what} of the simulation {'is' if len(off) == 1 else 'are'} off")
     if "simulation" in absent:
         parts.append("physics is absent from the simulation")

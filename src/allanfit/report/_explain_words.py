@@ -4,6 +4,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..formatting import listed
+
 # An effect that is not here goes by its own name, so that a new one needs no entry.
 _WORDS = {
     "gauss_markov": "exponentially correlated noise (Gauss-Markov)",
@@ -43,13 +45,12 @@ def words(name: str) -> str:
     return _WORDS.get(name, name.replace("_", " "))
 
 
-def listed(phrases: Sequence[str]) -> str:
+def counted(phrases: Sequence[str]) -> str:
     """Phrases as in a sentence, "a, b and c"; one that comes more than once with its number."""
     counts = Counter(phrases)
-    told = [
+    return listed(
         f"{phrase} ({count} of them)" if count > 1 else phrase for phrase, count in counts.items()
-    ]
-    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+    )
 
 
 def capitalised(phrase: str) -> str:

@@ -173,12 +173,14 @@ def _followed(
     if band.size > _MOST_SWITCHED:
         return gains
     leaps = tracked(band, place, spread, power, changes=_CHANGES)
-    # Its past tells late when it goes, and its future early when it comes.
-    both = band, np.conj(band[::-1])
-    past, future = (tracked(each, place, spread, power, on=_ON, changes=_CHANGES) for each in both)
-    on = runs(past.on + future.on[::-1] > 1)
-    return gains._replace(
-        leaps=leaps.log_likelihood - normal,
-        switched=past.log_likelihood - normal,
-        on=tuple((a / band.size, b / band.size) for a, b in on),
+    past = tracked(band, place, spread, power, on=_ON, changes=_CHANGES)
+    gains = gains._replace(
+        leaps=leaps.log_likelihood - normal, switched=past.log_likelihood - normal
     )
+    if gains.switched < max(gains.wanders, gains.leaps, 0.0):
+        return gains
+    # Its past tells late when it goes, and its future early when it comes.
+    backward = np.conj(band[::-1])
+    future = tracked(backward, place, spread, power, on=_ON, changes=_CHANGES)
+    on = runs(past.on + future.on[::-1] > 1)
+    return gains._replace(on=tuple((a / band.size, b / band.size) for a, b in on))

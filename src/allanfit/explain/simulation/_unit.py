@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from ...formatting import significant
+from ...formatting import listed, significant
 from ...physics import SYMBOLS
 from ...recording import Channel
 from ...recording._units import parse_unit
@@ -54,8 +54,8 @@ def unit_advice(
     if not alike:
         return []
     likely = min(alike, key=lambda unit: float(np.sum(np.square(off[unit]))))
-    names = _listed([SYMBOLS[index] for index in which])
-    sizes = _listed([significant(float(each), 3) for each in ratio])
+    names = listed([SYMBOLS[index] for index in which])
+    sizes = listed([significant(float(each), 3) for each in ratio])
     expected = significant(channel.factor / parse_unit(likely).factor, 3)
     verb = "is" if which.size == 1 else "are"
     return [
@@ -63,8 +63,3 @@ def unit_advice(
         f"times the recording's, and {likely} taken for {channel.unit} makes {expected}; name the "
         "unit in its file."
     ]
-
-
-def _listed(words: list[str]) -> str:
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last

@@ -83,8 +83,8 @@ def window_again(model: Model, data: Data) -> Model:
 
 def ripple_again(model: Model, data: Data) -> Model:
     """A filter with ripple, of any order where it is a poor one after ordinates are left out."""
-    leading = _ahead(rippled_starts(model, data), data)
-    found = best([(model.kinds, model.theta), *floored_or_not(leading, model, data)], data)
+    others = _ahead_floored_or_not(rippled_starts(model, data), model, data)
+    found = best([(model.kinds, model.theta), *others], data)
     return min(found, key=lambda each: each.deviance)
 
 
@@ -181,8 +181,7 @@ def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
     # edges, and has its turn; but no window comes near the zeros of a running mean.
     part = 0.9 if found.model.kinds.shaping in MEANS else 0.5
     for starts in (windowed_starts, rippled_starts):
-        leading = _ahead(starts(found.model, data), data)
-        either = floored_or_not(leading, found.model, data)
+        either = _ahead_floored_or_not(starts(found.model, data), found.model, data)
         found = _likelier(found, either, model, data, part)
     return found
 
@@ -194,6 +193,13 @@ def _ahead(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[tuple[Kin
     for each in found:
         leading.setdefault(each.kinds, each.theta)
     return [*leading.items()][:_KEPT]
+
+
+def _ahead_floored_or_not(
+    starts: list[tuple[Kinds, np.ndarray]], model: Model, data: Data
+) -> list[tuple[Kinds, np.ndarray]]:
+    """Those that lead, beside the terms of a model, each over a floor and over none."""
+    return floored_or_not(_ahead(starts, data), model, data)
 
 
 def _likelier(

@@ -90,11 +90,10 @@ def vibration(
     at = np.arange(powers.shape[1]) / TILE
     density = np.interp(at, state.left.frequency, expected) / 2
     # More of what there is, behind a filter that is not known yet as well.
-    quiet = quiet_spectrum(*loud_and_quiet(powers, share)) * density
-    flat = np.ones_like(density)
-    if any(
-        reshaped_at_times(powers, share, each, passed=more) is None
-        for each, more in ((density, quiet), (flat, flat))
+    more = quiet_spectrum(*loud_and_quiet(powers, share)) * density
+    if (
+        reshaped_at_times(powers, share, density, passed=more) is None
+        or reshaped_at_times(powers, share, np.ones_like(density)) is None
     ):
         return None
     # Beside strong vibration quiet frequencies would have what it leaks.
