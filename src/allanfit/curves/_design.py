@@ -14,7 +14,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..physics import STANDARD_TERMS, AbstractNoiseTerm, RateRamp, Sampling, check_sampling
+from ..physics import (
+    STANDARD_TERMS,
+    AbstractNoiseTerm,
+    AngleCodes,
+    QuantizationNoise,
+    RateRamp,
+    Sampling,
+    check_sampling,
+)
 from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
 from ._spectrum import RampProjection, ramp_coefficients
@@ -68,8 +76,12 @@ def unit_scale(dt: float | Float[Array, ""]) -> Float[Array, " terms"]:
 
 
 @lru_cache(maxsize=32)
-def design(lengths: tuple[int, ...], sampling: Sampling = "point") -> Design:
+def design(
+    lengths: tuple[int, ...], sampling: Sampling = "point", codes: AngleCodes | None = None
+) -> Design:
     """The design of a record with stretches of these lengths, each of at least 16 samples.
+
+    With `codes` of an angle its quantization is not white, and Q is that of their errors.
 
     **Raises:** `ValueError` for another sampling.
     """
@@ -79,10 +91,15 @@ def design(lengths: tuple[int, ...], sampling: Sampling = "point") -> Design:
     edges = logarithmic_edges(2 * spacing, spacing, BINS_PER_DECADE)
     # Constants also where a user traces the fit.
     with jax.ensure_compile_time_eval(), jax.enable_x64(True):
-        return _design(lengths, sampling, edges)
+        return _design(lengths, sampling, edges, codes)
 
 
-def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> Design:
+def _design(
+    lengths: tuple[int, ...],
+    sampling: Sampling,
+    edges: np.ndarray,
+    codes: AngleCodes | None = None,
+) -> Design:
     bins = len(edges) - 1
     ordinates, frequency = np.zeros(bins), np.zeros(bins)
     density = np.zeros((bins, len(NOISE_TERMS)))
@@ -106,13 +123,13 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         ramp[stretch, :modes] = ramp_coefficients(length, len(order))[odd]
         index = bin_index[-1][: len(order) - 1]
         for column, term in enumerate(NOISE_TERMS):
-            expected = expected_ordinates(term, length, order / (2 * length), sampling)
+            expected = expected_ordinates(term, length, order / (2 * length), sampling, codes)
             # An ordinate is 2 dt c^2, so c has half its variance.
             ramp_variance[stretch, :modes, column] = expected[odd] / 2
             density[:, column] += np.bincount(
                 index, projection.expectation(expected), minlength=bins
             )
-            density[:, column] += _beyond(term, length, ends, sampling)
+            density[:, column] += _beyond(term, length, ends, sampling, codes)
     used = ordinates > 0
     count = np.maximum(ordinates, 1)
     renumber = np.cumsum(used) - 1
@@ -129,12 +146,16 @@ def _design(lengths: tuple[int, ...], sampling: Sampling, edges: np.ndarray) -> 
         ramp_variance=ramp_variance,
         cluster_sizes=sizes,
         differences=np.sum([np.maximum(length - 2 * sizes + 1, 0) for length in lengths], axis=0),
-        allan=expected_allan(sizes, sampling),
+        allan=expected_allan(sizes, sampling, codes),
     )
 
 
 def _beyond(
-    term: type[AbstractNoiseTerm], length: int, ends: Int[np.ndarray, " edges"], sampling: Sampling
+    term: type[AbstractNoiseTerm],
+    length: int,
+    ends: Int[np.ndarray, " edges"],
+    sampling: Sampling,
+    codes: AngleCodes | None,
 ) -> Float[np.ndarray, " bins"]:
     """Sums of expected ordinates over each bin's orders above `_EXACT`, per unit power.
 
@@ -148,7 +169,7 @@ def _beyond(
     place, weight = np.polynomial.legendre.leggauss(_NODES)
     order = low[:, None] + width[:, None] * (1 + place) / 2
     frequency = np.minimum(order.ravel() / (2 * length), 0.5)
-    values = expected_ordinates(term, length, frequency, sampling, low_modes=False)
+    values = expected_ordinates(term, length, frequency, sampling, codes, low_modes=False)
     return width * (values.reshape(order.shape) @ weight) / 2
 
 
@@ -170,13 +191,17 @@ def mode_variances(
 
 
 def expected_allan(
-    sizes: Int[np.ndarray, " sizes"], sampling: Sampling
+    sizes: Int[np.ndarray, " sizes"], sampling: Sampling, codes: AngleCodes | None = None
 ) -> Float[np.ndarray, "sizes terms"]:
     """Allan variances per unit power of Q, N, B, K and R; under x64."""
     columns = [
         np.asarray(_allan_variance(unit_term(term), sampling, jnp.asarray(sizes, float)))
         for term in (*NOISE_TERMS, RateRamp)
     ]
+    if codes is not None:
+        # The second difference of three errors, 1, 2, 1 times each and a cluster apart.
+        alike = codes.correlation(np.stack([sizes, 2 * sizes]))
+        columns[0] = (3 - 4 * alike[0] + alike[1]) / sizes**2
     return np.stack(columns, axis=-1)
 
 
@@ -185,6 +210,7 @@ def expected_ordinates(
     samples: int,
     frequency: np.ndarray,
     sampling: Sampling,
+    codes: AngleCodes | None = None,
     *,
     low_modes: bool = True,
 ) -> np.ndarray:
@@ -199,12 +225,16 @@ def expected_ordinates(
         for chunk in padded.reshape(-1, _CHUNK)
     ]
     expected = np.concatenate(chunks)[: len(frequency)]
+    # Errors that are alike cancel less; the first and the last cancel with none anyway.
+    coloured = 0.0
+    if codes is not None and term is QuantizationNoise:
+        coloured = expected * (codes.density_ratio(frequency) - 1)
     if not low_modes:
-        return expected
+        return expected + coloured
     order = np.arange(1.0, _LOW_MODES + 1)
     low = np.asarray(_low_mode_ratio(unit_term(term), order, jnp.asarray(samples)))
     expected[:_LOW_MODES] *= low[: len(expected)]
-    return expected
+    return expected + coloured
 
 
 # Terms and orders are arguments: constants would be computed one operation at a time here.

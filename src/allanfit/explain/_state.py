@@ -280,7 +280,7 @@ def begin(
 ) -> Investigation:
     """Nothing known but the five terms; the arguments are those of `investigate`."""
     found = sample_format(values, pieces)
-    spectrum = ordinates(between_even_ends(values, pieces, power), sampling)
+    spectrum = ordinates(between_even_ends(values, pieces, power), sampling, found.angle)
     edges = bin_edges(spectrum.longest)
     spectrum = above_leakage(spectrum, binned(spectrum, edges))
     bins = binned(spectrum, edges)

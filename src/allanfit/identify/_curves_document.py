@@ -1,15 +1,13 @@
 """Both curves of a fit as plain data: points, bands and what each term puts into them."""
 
-from functools import partial
 from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import Array, Float
 from scipy.stats import chi2
 
 from ..curves import allan_variance_deviation, unit_scale
-from ..physics import SYMBOLS, NoiseModel, Sampling, standard_model
+from ..physics import SYMBOLS, NoiseModel, standard_model
 from ._fit import Fit
 
 
@@ -35,7 +33,9 @@ def curves_document(fit: Fit, factor: float) -> dict[str, Any]:
 
 def _allan(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, Any]:
     sizes = np.asarray(fit.design.cluster_sizes, float)
-    expected = _allan_variances(model, sizes, fit.design.sampling)
+    power = {term.symbol: float(term.coefficient) ** 2 for term in model.terms}
+    columns = zip(SYMBOLS, np.asarray(fit.design.allan).T, strict=True)
+    expected = {symbol: power[symbol] * column for symbol, column in columns}
     mean = np.sum(list(expected.values()), axis=0)
     found = np.asarray(fit.estimate.statistics.allan, float) / factor**2
     spread = np.asarray(allan_variance_deviation(model, fit.design))
@@ -47,13 +47,6 @@ def _allan(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, A
         "band_95": [listed(np.sqrt(low)), listed(np.sqrt(high))],
         "terms": {symbol: listed(np.sqrt(expected[symbol]) / factor) for symbol in SYMBOLS},
     }
-
-
-@partial(jax.jit, static_argnames="sampling")
-def _allan_variances(
-    model: NoiseModel, sizes: Float[Array, " sizes"], sampling: Sampling
-) -> dict[str, Float[Array, " sizes"]]:
-    return {term.symbol: term.allan_variance(sizes, 1.0, sampling) for term in model.terms}
 
 
 def _psd(fit: Fit, model: NoiseModel, dt: float, factor: float) -> dict[str, Any]:

@@ -13,12 +13,15 @@ from jaxtyping import Array, Bool, Float
 
 from ..curves import Design, as_series, design, ends_matter, even_ends, unit_scale
 from ..physics import SYMBOLS, Sampling
-from ..recording._checks import FEWEST_SAMPLES
+from ..recording._angle_codes import angle_codes
+from ..recording._checks import FEWEST_SAMPLES, code_width, usable
 from ..recording._lateness import SHORTEST_STRETCH
 from ._estimate import Estimate, estimate
 
 # N is wrong at first where errors at the ends rule, and hardly changes from the second time on.
 PASSES = 2
+# As many samples tell how wide codes are.
+_TELLING = 200_000
 # The part of the posterior that stands for the absence of a noise that is not resolved.
 _SMALLEST = 1 / 3
 
@@ -144,7 +147,8 @@ def fit_series(
     spectrum and Allan variance together with their full covariance, since the latter is a linear
     map of the former; then the posterior is sampled in JAX. `allanfit.sample` does that by emcee.
     Where quantization rules, errors of the angle at the ends of stretches are evened first, as
-    `curves/_ends.py` says, but not of data that JAX traces.
+    `curves/_ends.py` says, but not of data that JAX traces. Nor is it known of these whether they
+    are differences of an angle in wide codes, whose errors `physics/_angle_codes.py` describes.
 
     **Arguments:**
 
@@ -167,10 +171,13 @@ def fit_series(
     stretches = ((0, series.shape[0]),) if stretches is None else stretches
     lengths = tuple(stop - start for start, stop in stretches)
     check_lengths(lengths)
-    layout = design(lengths, sampling)
-    pieces = tuple(series[start:stop] for start, stop in stretches)
+    pieces, codes = tuple(series[start:stop] for start, stop in stretches), None
     if not isinstance(series, Tracer):
         _refuse_values_without_noise(pieces, stretches)
+        # Less their mean they are no codes.
+        values = usable(np.asarray(data, float), stretches)
+        codes = angle_codes(values, code_width(values[:_TELLING]))
+    layout = design(lengths, sampling, codes)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     if not isinstance(found.least_squares, Tracer):
         found = _between_even_ends(found, pieces, layout, rate_hz, seed)

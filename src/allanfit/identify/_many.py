@@ -43,6 +43,8 @@ def fit_many(
     Each sensor stands alone: one that holds NaN or is constant has `converged` false and NaN for
     its coefficients, and leaves the others' numbers as they are.
 
+    Wide codes of an angle are not looked for: see `allanfit.fit`.
+
     Sensors are taken in groups, shared out among all devices of the kind that holds the data, or
     among the cores of a processor. A NumPy array stays where it is, and only the groups at work
     are copied, so that `numpy.memmap` serves batches larger than memory; beside it there must be

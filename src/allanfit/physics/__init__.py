@@ -3,6 +3,7 @@
 Start with `standard_model`, the five terms of IEEE Std 952; `EFFECTS` are what else may be there.
 """
 
+from ._angle_codes import AngleCodes as AngleCodes
 from ._bias_instability import ALLAN_FLOOR as ALLAN_FLOOR
 from ._bias_instability import BiasInstability as BiasInstability
 from ._bump import Bump as Bump

@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from scipy.stats import nbinom
 
+from ..physics import AngleCodes
+from ._angle_codes import angle_codes
 from ._lateness import SHORTEST_STRETCH
 from ._no_sensor import why_counter
 from ._spikes import about_spikes, written
@@ -100,8 +102,12 @@ def about_samples(
     sigma = local_deviation(values)
     coarse = wide(width, sigma or fresh_deviation(values))
     ends = () if coarse else rails(values, width)
+    lost = _about_lost(samples, still, stretches, values.size, rate_hz)
+    codes = angle_codes(values, width)
+    if codes is not None:
+        return (*lost, _about_angle(codes, width, unit))
     return (
-        *_about_lost(samples, still, stretches, values.size, rate_hz),
+        *lost,
         *_about_rails(values, ends, unit),
         *_about_repeats(values, ends, width, unit),
         *(() if coarse else about_spikes(values, unit)),
@@ -350,6 +356,15 @@ def _about_repeats(
         f"{percent(found.share)} of the samples repeat the one before, where chance explains "
         f"{percent(found.most_by_chance)} at most: the sensor is read faster than it gives fresh "
         "values.",
+    )
+
+
+def _about_angle(codes: AngleCodes, width: float, unit: str) -> str:
+    return (
+        f"The samples are differences of an angle (or a velocity) that was rounded: one code is "
+        f"{quantity(width, unit)} for a sample, of which the noise moves it by {codes.move:.2g}. "
+        "Q is the error of these codes, which is alike in neighbouring samples; `allanfit fit` and "
+        "`allanfit explain` allow for that, and N is that of the sensor."
     )
 
 

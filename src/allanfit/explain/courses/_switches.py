@@ -35,7 +35,7 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
         # What stands at a rail dwells there, whatever it is.
         return Levels(0.0, 1.0, 0.5, np.zeros(stop - start, bool))
     # Of one stretch: the ordinates of several are no series.
-    spectrum = ordinates((state.calm[start:stop],), state.sampling)
+    spectrum = ordinates((state.calm[start:stop],), state.sampling, state.format.angle)
     total = _course.ordinate_variance(spectrum, state.model, state.data)
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
@@ -108,7 +108,7 @@ def _less_levels(
     path = _levels_in_time(values, levels.high, round(constant))
     names = whole.model.kinds.names
     bare = _model.without(whole.model, names.index("gauss_markov"))
-    spectrum = ordinates((values - height * path,), whole.sampling)
+    spectrum = ordinates((values - height * path,), whole.sampling, whole.format.angle)
     expected = level(spectrum, _course.ordinate_variance(spectrum, bare, whole.data))
     white = whitened(values, spectrum, expected)
     switches = whitened(path, spectrum, expected)

@@ -22,7 +22,7 @@ def moments(state: Investigation, line: Narrow) -> Moments | None:
     low, high = line.middle - _REACH * line.width, line.middle + _REACH * line.width
     if low <= 0 or high >= 0.5:
         return None
-    spectrum = ordinates((state.calm[slice(*state.longest)],), state.sampling)
+    spectrum = ordinates((state.calm[slice(*state.longest)],), state.sampling, state.format.angle)
     inside = slice(*np.searchsorted(spectrum.frequency, [low, high]))
     frequency = spectrum.frequency[inside]
     rest = beside(state, [line], frequency)

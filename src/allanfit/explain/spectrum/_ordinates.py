@@ -18,7 +18,7 @@ from scipy.ndimage import median_filter
 from ...curves._bins import logarithmic_edges
 from ...curves._design import NOISE_TERMS, expected_ordinates
 from ...curves._spectrum import RampProjection
-from ...physics import Sampling
+from ...physics import AngleCodes, Sampling
 from .._intervals import runs
 
 BINS_PER_DECADE = 48
@@ -110,13 +110,17 @@ def points(frequency: Float[np.ndarray, " bins"]) -> Float[np.ndarray, "bins thr
     return np.stack([frequency] * 3, axis=1)
 
 
-def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -> Ordinates:
+def ordinates(
+    pieces: tuple[Float[np.ndarray, " _"], ...],
+    sampling: Sampling,
+    codes: AngleCodes | None = None,
+) -> Ordinates:
     """All ordinates of the stretches of a record, each of at least 16 samples [u]."""
     orders = [np.arange(2, x.size) for x in pieces]
     frequency = [order / (2 * x.size) for order, x in zip(orders, pieces, strict=True)]
     # Neighbours in pairs, so that each half has as many odd orders as even ones.
     fold = [(order // 2 % 2).astype(np.int8) for order in orders]
-    expected = [_expected(x.size, sampling) for x in pieces]
+    expected = [_expected(x.size, sampling, codes) for x in pieces]
     by_frequency = _order(frequency)
     return Ordinates(
         _joined(frequency, by_frequency),
@@ -128,13 +132,15 @@ def ordinates(pieces: tuple[Float[np.ndarray, " _"], ...], sampling: Sampling) -
 
 
 @lru_cache(maxsize=8)
-def _expected(length: int, sampling: Sampling) -> Float32[np.ndarray, "ordinates terms"]:
+def _expected(
+    length: int, sampling: Sampling, codes: AngleCodes | None
+) -> Float32[np.ndarray, "ordinates terms"]:
     """What unit powers of Q, N, B, K put into the ordinates of a stretch, term by term."""
     frequency = np.arange(1, length) / (2 * length)
     found = np.empty((length - 2, len(NOISE_TERMS)), np.float32)
     for place, term in enumerate(NOISE_TERMS):
         with jax.enable_x64(True):
-            variance = expected_ordinates(term, length, frequency, sampling)
+            variance = expected_ordinates(term, length, frequency, sampling, codes)
         found[:, place] = _projection(length).expectation(variance)
     return found
 

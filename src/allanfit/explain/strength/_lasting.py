@@ -374,7 +374,7 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
     )
     if not quiet:
         return 0.0
-    spectrum = ordinates(quiet, state.sampling)
+    spectrum = ordinates(quiet, state.sampling, state.format.angle)
     bins = binned(spectrum, bin_edges(spectrum.longest))
     data = state.data._replace(bins=bins, samples=float(spectrum.longest))
     kinds, theta = state.model.kinds, state.model.theta

@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import binom
 
+from ...physics import AngleCodes
+from ...recording._angle_codes import angle_codes
 from ...recording._checks import (
     Repeats,
     code_width,
@@ -56,6 +58,8 @@ class Format:
     repeat: Repeat | None
     #: Log of the chance that as many samples are of one value, if that is a dead band's, else 0.
     dead: float = 0.0
+    #: How an angle moves among these codes, if they are wide, and those of an angle.
+    angle: AngleCodes | None = None
 
     @property
     def normal(self) -> bool:
@@ -74,9 +78,14 @@ def sample_format(
     coarse, discrete = (width > part * whole for part in (_COARSE, _DISCRETE))
     ends = () if wide(width, whole) else rails(used, width)
     clipped = float(np.mean(np.isin(used, ends))) if ends else 0.0
+    angle = angle_codes(used, width)
     again = repeated(used, ends, width)
+    if angle is not None:
+        # It stays within a code for many samples.
+        again = again._replace(beyond=False, dead=np.nan, few=False)
     dead = _log_chance(again, used.size) if np.isfinite(again.dead) else 0.0
-    return Format(width, coarse, discrete, sigma, ends, clipped, _repeat(again, used.size), dead)
+    repeat = _repeat(again, used.size)
+    return Format(width, coarse, discrete, sigma, ends, clipped, repeat, dead, angle)
 
 
 def stuck(

@@ -93,6 +93,8 @@ def _rate_is_rounded(state: Investigation) -> float:
     latter, and zero as likely.
     """
     width, model = state.format.width, state.model
+    if state.format.angle is not None:
+        return 0.0
     if width < _FINE * state.format.sigma or model.kinds.angle_filtered:
         # What is filtered after its angle was rounded has no codes any more.
         return 1.0
