@@ -11,6 +11,7 @@ from jaxtyping import Float
 from ._chance import INSIDE, log_chance, score
 from ._intervals import runs
 from ._state import Finding, Investigation, Unknown, whitened_piece
+from .courses._switches import jumps_one_way
 from .lines._changing import look_at_lines
 from .lines._harmonics import Line, families
 from .lines._line_or_resonance import tell_apart
@@ -21,7 +22,7 @@ from .spectrum._leakage import take_bump
 from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
-from .spectrum._structure import SHAPE, UNNAMED
+from .spectrum._structure import EACH, SHAPE, UNNAMED, shape_of
 from .spectrum._whiten import within, without_bands
 from .strength._changing import (
     TILE,
@@ -61,6 +62,7 @@ def look_again(state: Investigation) -> None:
     told = tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
     look_at_lines(state, white, told)
+    _pulses(state)
     broad = _broad(state, white)
     _swing(state, _repeated(state, white, broad))
     _dead_band(state)
@@ -69,6 +71,20 @@ def look_again(state: Investigation) -> None:
     if "variance_modulation" not in state.disowned:
         count_out_filtered(state)
     _bump_instead(state)
+
+
+def _pulses(state: Investigation) -> None:
+    """A process that jumps one way and comes back neither wanders nor switches."""
+    kinds, samples = state.model.kinds, state.data.samples
+    for place, name in enumerate(kinds.added):
+        begin = kinds.first_slot + EACH * place
+        if name != "gauss_markov" or jumps_one_way(state, begin) > np.log(state.alarm):
+            continue
+        constant = float(shape_of(name, state.model.theta[begin : begin + EACH], samples)[0])
+        state.disowned_noises.add(place)
+        why = "the output jumps one way, again and again, and comes back by and by"
+        like = "discharges, impacts, or something that heats up do so"
+        state.unknown.append(Unknown(1 / (2 * np.pi * constant), 1.0, why, like=like))
 
 
 def _only_courses_were_loud(state: Investigation) -> None:

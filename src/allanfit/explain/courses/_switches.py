@@ -14,7 +14,7 @@ from ..values._contamination import Contamination, contamination
 from . import _course
 from ._one_by_one import FEWEST, seen_one_by_one
 from ._shapes import draw_courses
-from ._telegraph import SURE, Levels, two_levels
+from ._telegraph import SURE, Levels, one_way, two_levels
 
 # A step is a switch if its height is that between the levels, within so much of it and so many of
 # its standard deviations, which so many draws give.
@@ -30,10 +30,39 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
 
     `constant` is its time constant in samples.
     """
-    three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
+    start, stop = state.longest
     if rails(state) is not None:
         # What stands at a rail dwells there, whatever it is.
         return Levels(0.0, 1.0, 0.5, np.zeros(stop - start, bool))
+    levels = two_levels(*_process(state, begin, constant), seed)
+    if levels.chance < state.alarm or len(state.pieces) > 1:
+        return levels
+    # Beside a strong walk switches are seen one by one alone.
+    seen = seen_one_by_one(state)
+    worth = -np.inf if seen is None else seen.worth(state)
+    if seen is None or not seen.alike or worth < -np.log(levels.chance):
+        return levels
+    shape, high = seen.course.shape, seen.course.draw()[start:stop, 0] > 0
+    chance = float(np.exp(-min(worth, SURE)))
+    return Levels(2 * worth / high.size, chance, shape["upper"], high)
+
+
+def jumps_one_way(state: Investigation, begin: int) -> float:
+    """Log of the chance that the process at `begin` jumps one way, and comes back, by as much."""
+    if rails(state) is not None:
+        return 0.0
+    three = state.model.theta[begin : begin + EACH]
+    constant = float(shape_of("gauss_markov", three, state.data.samples)[0])
+    return one_way(*_process(state, begin, constant))
+
+
+def _process(
+    state: Investigation, begin: int, constant: float
+) -> tuple[
+    Float[np.ndarray, " modes"], Float[np.ndarray, " modes"], Float[np.ndarray, " modes"], int
+]:
+    """The amplitudes, what is expected of the process and of all, and the mode at its corner."""
+    three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
     # Of one stretch: the ordinates of several are no series.
     spectrum = ordinates((state.calm[start:stop],), state.sampling, state.format.angle)
     total = _course.ordinate_variance(spectrum, state.model, state.data)
@@ -45,17 +74,7 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     )
     signal = np.minimum(np.interp(frequency, thinned, found), total)
     corner = int(np.searchsorted(frequency, 1 / (2 * np.pi * constant)))
-    levels = two_levels(spectrum.amplitude, signal, total, max(corner, 1), seed)
-    if levels.chance < state.alarm or len(state.pieces) > 1:
-        return levels
-    # Beside a strong walk switches are seen one by one alone.
-    seen = seen_one_by_one(state)
-    worth = -np.inf if seen is None else seen.worth(state)
-    if seen is None or not seen.alike or worth < -np.log(levels.chance):
-        return levels
-    shape, high = seen.course.shape, seen.course.draw()[start:stop, 0] > 0
-    chance = float(np.exp(-min(worth, SURE)))
-    return Levels(2 * worth / high.size, chance, shape["upper"], high)
+    return spectrum.amplitude, signal, total, max(corner, 1)
 
 
 def without_switches(

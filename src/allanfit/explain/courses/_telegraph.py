@@ -11,12 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.fft import idct
+from scipy.stats import norm
 
 from ..values._contamination import normal
 
 _SURROGATES = 199
 # Modes beyond this many corner frequencies of the process are noise.
 _CORNERS = 12
+# Moments of two of its time constants.
+_BLOCK = 8
 # Bins of values, in standard deviations, and where the search for two levels starts.
 _EDGES = np.linspace(-6, 6, 121)
 _VALUES = np.concatenate([[_EDGES[0]], (_EDGES[:-1] + _EDGES[1:]) / 2, [_EDGES[-1]]])
@@ -54,8 +57,8 @@ def two_levels(
     makes them, `signal` and `total` the expected squares of the process alone and of everything;
     `corner` is the mode at which the process's density has fallen to half.
     """
-    count = min(amplitude.size, max(_CORNERS * corner, 64))
-    weight = (signal / total)[:count]
+    weight = _filter(signal, total, corner)
+    count = weight.size
     series = _series(weight * amplitude[:count])
     rng = np.random.default_rng(seed)
     spread = np.sqrt(total[:count])
@@ -71,6 +74,33 @@ def two_levels(
         beyond = float(np.exp(-min(gain / null.mean(), SURE)))
         beyond = min(1 / _SURROGATES, beyond)
     return Levels(gain, beyond, float(found.upper[0]), series > found.middle[0])
+
+
+def one_way(
+    amplitude: Float[np.ndarray, " modes"],
+    signal: Float[np.ndarray, " modes"],
+    total: Float[np.ndarray, " modes"],
+    corner: int,
+) -> float:
+    """Log of the chance that the filtered process jumps one way, and comes back, as much.
+
+    Arguments as of `two_levels`. Backward in time a normal process is one, and so is a telegraph:
+    the cubes of their moves have a mean of zero. Each block of moves has as much of it by chance as
+    it shows itself, whatever their distribution.
+    """
+    weight = _filter(signal, total, corner)
+    cubes = np.diff(_series(weight * amplitude[: weight.size])) ** 3
+    blocks = cubes[: cubes.size // _BLOCK * _BLOCK].reshape(-1, _BLOCK).sum(axis=1)
+    leans = abs(blocks.sum()) / np.sqrt(np.sum(blocks**2))
+    return float(norm.logsf(leans) + np.log(2))
+
+
+def _filter(
+    signal: Float[np.ndarray, " modes"], total: Float[np.ndarray, " modes"], corner: int
+) -> Float[np.ndarray, " count"]:
+    """What takes the process out of the other noise, as far as there is any of it."""
+    count = min(total.size, max(_CORNERS * corner, 64))
+    return (signal / total)[:count]
 
 
 def _series(coefficients: Float[np.ndarray, " modes"]) -> Float[np.ndarray, " moments"]:
