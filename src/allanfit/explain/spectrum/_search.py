@@ -82,8 +82,13 @@ def window_again(model: Model, data: Data) -> Model:
 
 
 def ripple_again(model: Model, data: Data) -> Model:
-    """A filter with ripple, of any order where it is a poor one after ordinates are left out."""
-    others = _ahead_floored_or_not(rippled_starts(model, data), model, data)
+    """A filter with ripple, of any order where it is a poor one after ordinates are left out.
+
+    Or a window: what its ends leaked had floors like those between lobes.
+    """
+    rippled = rippled_starts(model, data)
+    windows = other_windows(model, data) if rippled else []
+    others = _ahead_floored_or_not([*rippled, *windows], model, data)
     found = best([(model.kinds, model.theta), *others], data)
     return min(found, key=lambda each: each.deviance)
 
