@@ -149,8 +149,10 @@ def test_an_elliptic_filter_in_front_of_the_converter_is_one_filter(
         (butter(2, 0.1, output="sos"), 0.1),
         (ellip(4, 0.5, 40, 0.5, output="sos"), 0.02),
         (tf2sos(firwin(63, 0.4), 1), 0.1),
+        # A hump beside white noise came before a filter with none.
+        (cheby2(3, 40, 0.492, output="sos"), 0.016),
     ],
-    ids=["fourth order", "second order", "elliptic", "sixty-three taps"],
+    ids=["fourth order", "second order", "elliptic", "sixty-three taps", "inverse Chebyshev"],
 )
 def test_white_noise_behind_a_filter_is_part_of_it(sections, part):
     """A converter's noise made a line of the foot of an edge, or the filter had no name at all.

@@ -72,7 +72,7 @@ def candidates(model: Model, data: Data, peaks: Peaks = ()) -> list[Candidate]:
 def again(found: Candidate, model: Model, data: Data) -> Candidate:
     """A candidate on data that are little different from those that it was found on."""
     reached = best([(found.model.kinds, found.model.theta)], data)[0]
-    return found._replace(model=reached, gain=max(model.deviance - reached.deviance, 0.0))
+    return found._replace(model=reached, gain=_gain(found.name, reached, model))
 
 
 def window_again(model: Model, data: Data) -> Model:
@@ -82,8 +82,13 @@ def window_again(model: Model, data: Data) -> Model:
 
 
 def ripple_again(model: Model, data: Data) -> Model:
-    """A filter with ripple, of any order where it is a poor one after ordinates are left out."""
-    others = _ahead_floored_or_not(rippled_starts(model, data), model, data)
+    """A filter with ripple, of any order where it is a poor one after ordinates are left out.
+
+    Or a window: what its ends leaked had floors like those between lobes.
+    """
+    rippled = rippled_starts(model, data)
+    windows = other_windows(model, data) if rippled else []
+    others = _ahead_floored_or_not([*rippled, *windows], model, data)
     found = best([(model.kinds, model.theta), *others], data)
     return min(found, key=lambda each: each.deviance)
 
@@ -125,9 +130,14 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
         if name not in whole or _cost(reached, data) < _cost(whole[name], data):
             whole[name] = reached
     return [
-        Candidate(name, reached, max(model.deviance - reached.deviance, 0.0))
-        for name, reached in whole.items()
+        Candidate(name, reached, _gain(name, reached, model)) for name, reached in whole.items()
     ]
+
+
+def _gain(name: str, reached: Model, model: Model) -> float:
+    """By how much the deviance falls, less the price of a floor that comes with another effect."""
+    besides = name != "floor" and reached.kinds.floored and not model.kinds.floored
+    return max(model.deviance - reached.deviance - PRICE * besides, 0.0)
 
 
 def _looked_up(kinds: Kinds) -> bool:
@@ -170,7 +180,7 @@ def _cost(model: Model, data: Data) -> float:
     quantization, white = np.asarray(data.bins.expected)[data.bins.used][-1, :2]
     power = np.exp(model.theta[:2])
     needed = power[0] * quantization > _MUCH * power[1] * white
-    return model.deviance + PRICE * (needed + model.kinds.floored)
+    return model.deviance + PRICE * (int(needed) + int(model.kinds.floored))
 
 
 def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
@@ -217,4 +227,4 @@ def _likelier(
     cost, before = _cost(other, data), _cost(found.model, data)
     if cost > before or cost - bins > part * (before - bins):
         return found
-    return Candidate(found.name, other, max(model.deviance - other.deviance, 0.0))
+    return Candidate(found.name, other, _gain(found.name, other, model))

@@ -41,6 +41,8 @@ _FOLDED = (0.62, 4.5)
 _BETWEEN, _WIDER = 20.0, (1.0, 1.25, 1.6)
 # Of filters that have ripple, in dB.
 _RIPPLES, _ATTENUATIONS = (1e-8, 0.03, 0.6), (40.0, 80.0)
+# Up to such a corner a filter begins over a floor as well, with an edge of such an order.
+_OVER_FLOORS, _STEEP_OVER_FLOORS = 0.3, 5.0
 # A floor is read off so many bins.
 _LOWEST_BINS = 8
 # To a peak and to poles apart: free droops to begin with.
@@ -127,6 +129,12 @@ def filter_starts(model: Model, data: Data) -> list[Start]:
             theta[1] = np.log(np.median(density[below]) / 2)
         theta[0] = min(theta[0], np.log(np.median(density[used][-8:]) / 80))
         starts.append(("low_pass", kinds, theta))
+        if cutoff < _OVER_FLOORS and order > 1:
+            # Else a hump beside white noise would stand for it.
+            three = free_filter(kind, cutoff, _STEEP_OVER_FLOORS, float(data.samples))
+            _, kinds, steep = _shaping_start(kind, three, model)
+            steep[1] = theta[1]
+            starts.append(("low_pass", *_floored(kinds, steep, theta[1], data)))
     for kind, cutoff, order in running_means(data):
         three = free_filter(kind, cutoff, order, float(data.samples))
         starts.append(("low_pass", *_shaping_start(kind, three, model)[1:]))
@@ -169,15 +177,18 @@ def floored_starts(model: Model, data: Data) -> list[tuple[Kinds, np.ndarray]]:
     starts = []
     for kind, each in () if kinds.floored or kinds.shaping in MEANS else shapes:
         shaped = reshaped(model, kind, cutoff, each, data, model.theta[TERMS])
-        starts.append(_floored(*shaped, model, data))
+        starts.append(_floored(*shaped, model.theta[1], data))
     return starts
 
 
-def _floored(kinds: Kinds, theta: np.ndarray, model: Model, data: Data) -> tuple[Kinds, np.ndarray]:
-    """The same with a floor where the spectrum is lowest, and no quantization in its place."""
+def _floored(kinds: Kinds, theta: np.ndarray, white: float, data: Data) -> tuple[Kinds, np.ndarray]:
+    """The same with a floor where the spectrum is lowest, and no quantization in its place.
+
+    `white` is the logarithm of the white power that the floor is a part of.
+    """
     lowest = np.sort(data.bins.density[data.bins.used])[:_LOWEST_BINS].mean()
     theta = theta.copy()
-    theta[0], theta[SHAPE.stop - 1] = FLOOR, free_floor(lowest / (2 * np.exp(model.theta[1])))
+    theta[0], theta[SHAPE.stop - 1] = FLOOR, free_floor(lowest / (2 * np.exp(white)))
     return kinds._replace(floored=True), theta
 
 
@@ -189,7 +200,10 @@ def floored_or_not(
     for kinds, theta in starts:
         bare = theta.copy()
         bare[SHAPE.stop - 1] = FLOOR
-        every += [(kinds._replace(floored=False), bare), _floored(kinds, theta, model, data)]
+        every += [
+            (kinds._replace(floored=False), bare),
+            _floored(kinds, theta, model.theta[1], data),
+        ]
     return every
 
 
