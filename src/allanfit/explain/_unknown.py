@@ -13,6 +13,7 @@ from ._intervals import runs
 from ._state import Finding, Investigation, Unknown, whitened_piece
 from .courses._switches import jumps_one_way
 from .lines._changing import look_at_lines
+from .lines._comb import strongest_comb
 from .lines._harmonics import Line, families
 from .lines._line_or_resonance import tell_apart
 from .lines._waveform import waveform
@@ -269,6 +270,10 @@ def _repeated(
     swing = swinging(np.clip(broad / broad.std(), -PULLED_IN, PULLED_IN))
     if swing is not None and swing[0] < samples / _OFTEN and swing[1] < np.log(state.alarm):
         sought.append(1 / swing[0])
+    # Codes and held samples have patterns of their own.
+    comb = strongest_comb(white) if state.format.normal else None
+    if comb is not None and comb.log_p < np.log(state.alarm):
+        sought.append(comb.frequency)
     for frequency in sought:
         found = waveform(white, frequency)
         if found.log_p < np.log(state.alarm):

@@ -1,0 +1,52 @@
+"""Whether something repeats of which no harmonic stands out: all of them together may.
+
+A pulse of one sample in a hundred has fifty harmonics alike. What they hold together is looked for
+at every frequency that they may be multiples of.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import gamma
+
+# Harmonics that are added up: as many as a band of fundamentals has, doubled from band to band.
+_FEWEST, _MOST = 8, 64
+# Periods in a record.
+_OFTEN = 100
+# One harmonic counts for as much at most, in units of what noise has on average: a line is no comb.
+_TALLEST = 8.0
+_NO_CHANCE = -600.0
+
+
+class Comb(NamedTuple):
+    """A fundamental [cycles per sample], and the log of the chance of as much anywhere."""
+
+    frequency: float
+    log_p: float
+
+
+def strongest_comb(white: Float[np.ndarray, " samples"]) -> Comb | None:
+    """The harmonics that hold most together of a white record; None of a short one."""
+    # Twice as fine as ordinates are, so that none falls between two of them.
+    samples = white.size
+    power = np.abs(np.fft.rfft(white, 2 * samples)) ** 2 / (samples * np.var(white))
+    power = np.minimum(power, _TALLEST).astype(np.float32)
+    found, places, harmonics = [], 0, _FEWEST
+    while harmonics <= _MOST and samples > 4 * _OFTEN * harmonics:
+        # The last harmonic moves by one place from one fundamental to the next.
+        lowest = 2 * _OFTEN * harmonics if harmonics == _MOST else samples // 2
+        each = np.arange(lowest + 1, samples + 1)
+        total = np.zeros(each.size)
+        for multiple in range(1, harmonics + 1):
+            total += power[(multiple * each + harmonics // 2) // harmonics]
+        strongest = int(np.argmax(total))
+        frequency = float(each[strongest]) / (2 * samples * harmonics)
+        log_p = float(gamma.logsf(total[strongest], harmonics))
+        found.append(Comb(frequency, max(log_p, _NO_CHANCE)))
+        places += each.size
+        harmonics *= 2
+    if not found:
+        return None
+    best = min(found, key=lambda comb: comb.log_p)
+    return best._replace(log_p=min(best.log_p + float(np.log(places)), 0.0))
