@@ -271,7 +271,7 @@ def _repeated(
     if swing is not None and swing[0] < samples / _OFTEN and swing[1] < np.log(state.alarm):
         sought.append(1 / swing[0])
     # Codes and held samples have patterns of their own.
-    comb = strongest_comb(white) if state.format.normal else None
+    comb = strongest_comb(white, state.spectrum.clean) if state.format.normal else None
     if comb is not None and comb.log_p < np.log(state.alarm):
         sought.append(comb.frequency)
     for frequency in sought:

@@ -4,10 +4,12 @@ A pulse of one sample in a hundred has fifty harmonics alike. What they hold tog
 at every frequency that they may be multiples of.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from scipy.ndimage import uniform_filter1d
 from scipy.stats import gamma
 
 # Harmonics that are added up: as many as a band of fundamentals has, doubled from band to band.
@@ -16,6 +18,8 @@ _FEWEST, _MOST = 8, 64
 _OFTEN = 100
 # One harmonic counts for as much at most, in units of what noise has on average: a line is no comb.
 _TALLEST = 8.0
+# Parts of the spectrum that are even by themselves.
+_NEAR = 50
 _NO_CHANCE = -600.0
 
 
@@ -26,12 +30,22 @@ class Comb(NamedTuple):
     log_p: float
 
 
-def strongest_comb(white: Float[np.ndarray, " samples"]) -> Comb | None:
-    """The harmonics that hold most together of a white record; None of a short one."""
+def strongest_comb(
+    white: Float[np.ndarray, " samples"],
+    seen: Callable[[Float[np.ndarray, " _"]], Bool[np.ndarray, " _"]] = np.isfinite,
+) -> Comb | None:
+    """The harmonics that hold most together of a white record; None of a short one.
+
+    Only frequencies that are `seen` count [cycles per sample]: beyond a steep edge, and at its
+    zeros, which may be as evenly spaced as harmonics, there is what the ends of the record leak.
+    """
     # Twice as fine as ordinates are, so that none falls between two of them.
     samples = white.size
     power = np.abs(np.fft.rfft(white, 2 * samples)) ** 2 / (samples * np.var(white))
-    power = np.minimum(power, _TALLEST).astype(np.float32)
+    # What is left uneven, over many harmonics of anything, is no comb either.
+    around = uniform_filter1d(np.minimum(power, _TALLEST), max(samples // _NEAR, 1))
+    power = np.minimum(power / np.maximum(around, 1.0), _TALLEST).astype(np.float32)
+    power[~seen(np.arange(samples + 1) / (2 * samples))] = 1.0
     found, places, harmonics = [], 0, _FEWEST
     while harmonics <= _MOST and samples > 4 * _OFTEN * harmonics:
         # The last harmonic moves by one place from one fundamental to the next.

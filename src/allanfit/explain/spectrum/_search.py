@@ -22,7 +22,18 @@ from ._starts import (
     two_pole_starts,
     windowed_starts,
 )
-from ._structure import ADDED, FREE_FILTERS, MEANS, OVERSAMPLED, TWO_POLES, Data, Kinds, bounds
+from ._structure import (
+    ADDED,
+    FREE_FILTERS,
+    MEANS,
+    OVERSAMPLED,
+    SHAPE,
+    TWO_POLES,
+    Data,
+    Kinds,
+    bounds,
+    floor_of,
+)
 
 _MOST_ADDED = 3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
@@ -35,6 +46,8 @@ _HOPELESS = 10.0
 _MUCH = 0.05
 # Deviance a bin from which on a comb of means is none.
 _GROSS = 3.0
+# A filter begins over a floor of such a level at most [dB].
+_LOUDEST = -15.0
 # A corner within such a factor of the lowest that is looked for is none.
 _LOWEST = 1.05
 
@@ -117,6 +130,8 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     leading: dict[tuple[str, bool], Model] = {}
     for (name, kinds, _), reached in zip(starts, found, strict=True):
         own = name, _looked_up(kinds)
+        if _is_hump(name, reached):
+            continue
         if own not in leading or _cost(reached, data) < _cost(leading[own], data):
             leading[own] = reached
     bins = np.count_nonzero(data.bins.used)
@@ -124,6 +139,8 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     whole: dict[str, Model] = {}
     for (name, _), rough in leading.items():
         (reached,) = best([(rough.kinds, rough.theta)], data)
+        if _is_hump(name, reached):
+            continue
         if rough.kinds.shaping == OVERSAMPLED and reached.deviance > _GROSS * bins:
             # It has no number to climb by, and by chance is less wrong than what can.
             continue
@@ -132,6 +149,15 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     return [
         Candidate(name, reached, _gain(name, reached, model)) for name, reached in whole.items()
     ]
+
+
+def _is_hump(name: str, model: Model) -> bool:
+    """Whether a filter's floor is so loud that what passes is correlated noise beside the white.
+
+    Filters that are found without a floor may have a louder one.
+    """
+    floored = name == "low_pass" and model.kinds.floored
+    return floored and float(floor_of(model.theta[SHAPE])) > _LOUDEST
 
 
 def _gain(name: str, reached: Model, model: Model) -> float:
