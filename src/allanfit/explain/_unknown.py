@@ -5,8 +5,10 @@ drifting line, a line in bursts like many lines, a filter that changes like nois
 name is right only if what else it says is so too.
 """
 
+from functools import partial
+
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from ._chance import INSIDE, log_chance, score
 from ._intervals import runs
@@ -178,6 +180,16 @@ def _passed(state: Investigation, frequencies: int) -> Float[np.ndarray, " frequ
     return np.pad(gain, 1, mode="edge")
 
 
+def _seen(
+    state: Investigation, frequency: Float[np.ndarray, " frequencies"]
+) -> Bool[np.ndarray, " frequencies"]:
+    """Whether noise is seen there [cycles per sample], behind a filter."""
+    kept, passed = state.spectrum.clean(frequency), _passed(state, TILE // 2 + 1)
+    if passed is not None:
+        kept &= np.interp(frequency, np.arange(passed.size) / TILE, passed) > _FAINT
+    return kept
+
+
 def _inside(frequencies: int) -> Float[np.ndarray, " inside"]:
     """Those of a tile but zero and half the rate, which have no spectrum of their own."""
     return np.arange(1, frequencies - 1) / (2 * (frequencies - 1))
@@ -271,7 +283,7 @@ def _repeated(
     if swing is not None and swing[0] < samples / _OFTEN and swing[1] < np.log(state.alarm):
         sought.append(1 / swing[0])
     # Codes and held samples have patterns of their own.
-    comb = strongest_comb(white, state.spectrum.clean) if state.format.normal else None
+    comb = strongest_comb(white, partial(_seen, state)) if state.format.normal else None
     if comb is not None and comb.log_p < np.log(state.alarm):
         sought.append(comb.frequency)
     for frequency in sought:

@@ -18,8 +18,8 @@ _FEWEST, _MOST = 8, 64
 _OFTEN = 100
 # One harmonic counts for as much at most, in units of what noise has on average: a line is no comb.
 _TALLEST = 8.0
-# Parts of the spectrum that are even by themselves.
-_NEAR = 50
+# Distances of harmonics over which a spectrum is even.
+_NEAR = 6
 _NO_CHANCE = -600.0
 
 
@@ -42,18 +42,20 @@ def strongest_comb(
     # Twice as fine as ordinates are, so that none falls between two of them.
     samples = white.size
     power = np.abs(np.fft.rfft(white, 2 * samples)) ** 2 / (samples * np.var(white))
-    # What is left uneven, over many harmonics of anything, is no comb either.
-    around = uniform_filter1d(np.minimum(power, _TALLEST), max(samples // _NEAR, 1))
-    power = np.minimum(power / np.maximum(around, 1.0), _TALLEST).astype(np.float32)
-    power[~seen(np.arange(samples + 1) / (2 * samples))] = 1.0
+    unseen = ~seen(np.arange(samples + 1) / (2 * samples))
+    power = np.minimum(power, _TALLEST)
     found, places, harmonics = [], 0, _FEWEST
     while harmonics <= _MOST and samples > 4 * _OFTEN * harmonics:
         # The last harmonic moves by one place from one fundamental to the next.
         lowest = 2 * _OFTEN * harmonics if harmonics == _MOST else samples // 2
         each = np.arange(lowest + 1, samples + 1)
         total = np.zeros(each.size)
+        # What is uneven over some harmonics is no comb.
+        around = uniform_filter1d(power, _NEAR * lowest // harmonics)
+        even = (power / np.maximum(around, 1.0)).astype(np.float32)
+        even[unseen] = 1.0
         for multiple in range(1, harmonics + 1):
-            total += power[(multiple * each + harmonics // 2) // harmonics]
+            total += even[(multiple * each + harmonics // 2) // harmonics]
         strongest = int(np.argmax(total))
         frequency = float(each[strongest]) / (2 * samples * harmonics)
         log_p = float(gamma.logsf(total[strongest], harmonics))
