@@ -1,6 +1,6 @@
 """From which strength on are pulses found that no name of the catalogue fits?
 
-    python -m benchmarks.pulses                  # four minutes
+    python -m benchmarks.pulses                  # ten minutes
     python -m benchmarks.pulses --records 40
 
 First pulses of a sample each 20, 100 or 500 samples in white noise, 10 to 25 standard deviations of

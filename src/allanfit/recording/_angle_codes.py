@@ -1,5 +1,7 @@
 """Whether samples are differences of an angle that was rounded to wide codes."""
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float64
 from scipy.optimize import brentq
@@ -47,11 +49,11 @@ def angle_codes(values: Float64[np.ndarray, " usable"], width: float) -> AngleCo
 
     if too_few(_LEAST) > 0 or too_few(_MOST) < 0:
         return None
-    move = float(brentq(too_few, _LEAST, _MOST))
+    move: Any = brentq(too_few, _LEAST, _MOST)
     if np.sqrt(np.mean(means**2)) > _SWIFT * move:
         return None
     rates = np.quantile(means, (np.arange(_PARTS) + 0.5) / _PARTS)
-    found = AngleCodes(float(np.round(move, 6)), tuple(np.round(rates, 6).tolist()))
+    found = AngleCodes(round(float(move), 6), tuple(np.round(rates, 6).tolist()))
     return found if _agrees(windows - means[:, None], found) else None
 
 
