@@ -72,7 +72,8 @@ def about_spread(state: Investigation, seed: int, *, may_cut: bool = True) -> bo
         "variance in time",
         changing.ratio,
         changing.p_value,
-        "Windowed variances of the whitened record, compared.",
+        "Windowed variances of the whitened record, compared"
+        + ("." if state.format.normal else "; coarse codes and held samples change by themselves."),
     )
     loud = changing.p_value < state.alarm and changing.loud.any() and not changing.loud.all()
     loud = loud and state.vibration is None and not _cut_while_quiet(state, changing)
