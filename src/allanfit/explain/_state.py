@@ -176,6 +176,10 @@ class Investigation:
         """The ordinates less the courses."""
         return self.spectrum if self.left_over is None else self.left_over
 
+    def ordinates_of(self, *pieces: Float[np.ndarray, " _"]) -> Ordinates:
+        """Those of stretches of values that were made as this channel's are."""
+        return ordinates(pieces, self.sampling, self.format.angle)
+
     @property
     def longest(self) -> tuple[int, int]:
         """The longest stretch."""

@@ -80,10 +80,12 @@ def _pulses(state: Investigation) -> None:
     """A process that jumps one way and comes back neither wanders nor switches."""
     kinds, samples = state.model.kinds, state.data.samples
     for place, name in enumerate(kinds.added):
-        begin = kinds.first_slot + EACH * place
-        if name != "gauss_markov" or jumps_one_way(state, begin) > np.log(state.alarm):
+        if name != "gauss_markov":
             continue
+        begin = kinds.first_slot + EACH * place
         constant = float(shape_of(name, state.model.theta[begin : begin + EACH], samples)[0])
+        if jumps_one_way(state, begin, constant) > np.log(state.alarm):
+            continue
         state.disowned_noises.add(place)
         why = "the output jumps one way, again and again, and comes back by and by"
         like = "discharges, impacts, or something that heats up do so"

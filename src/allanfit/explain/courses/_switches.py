@@ -6,7 +6,6 @@ from jaxtyping import Bool, Float
 from .._state import Investigation
 from ..spectrum import _model
 from ..spectrum._density import gain_at, noise_at
-from ..spectrum._ordinates import ordinates
 from ..spectrum._structure import EACH, shape_of
 from ..spectrum._whiten import level, whitened
 from ..values._clipped import rails
@@ -47,12 +46,13 @@ def levels_of(state: Investigation, begin: int, constant: float, seed: int) -> L
     return Levels(2 * worth / high.size, chance, shape["upper"], high)
 
 
-def jumps_one_way(state: Investigation, begin: int) -> float:
-    """Log of the chance that the process at `begin` jumps one way, and comes back, by as much."""
+def jumps_one_way(state: Investigation, begin: int, constant: float) -> float:
+    """Log of the chance that a process jumps one way, and comes back, as much.
+
+    Arguments as of `levels_of`.
+    """
     if rails(state) is not None:
         return 0.0
-    three = state.model.theta[begin : begin + EACH]
-    constant = float(shape_of("gauss_markov", three, state.data.samples)[0])
     return one_way(*_process(state, begin, constant))
 
 
@@ -64,7 +64,7 @@ def _process(
     """The amplitudes, what is expected of the process and of all, and the mode at its corner."""
     three, (start, stop) = state.model.theta[begin : begin + EACH], state.longest
     # Of one stretch: the ordinates of several are no series.
-    spectrum = ordinates((state.calm[start:stop],), state.sampling, state.format.angle)
+    spectrum = state.ordinates_of(state.calm[start:stop])
     total = _course.ordinate_variance(spectrum, state.model, state.data)
     frequency = np.clip(spectrum.frequency, 1e-12, 0.5)
     thinned = np.geomspace(frequency[0], frequency[-1], 600)
@@ -127,7 +127,7 @@ def _less_levels(
     path = _levels_in_time(values, levels.high, round(constant))
     names = whole.model.kinds.names
     bare = _model.without(whole.model, names.index("gauss_markov"))
-    spectrum = ordinates((values - height * path,), whole.sampling, whole.format.angle)
+    spectrum = whole.ordinates_of(values - height * path)
     expected = level(spectrum, _course.ordinate_variance(spectrum, bare, whole.data))
     white = whitened(values, spectrum, expected)
     switches = whitened(path, spectrum, expected)

@@ -10,7 +10,6 @@ from jaxtyping import Float
 
 from .._state import Investigation
 from ..spectrum._narrow import Narrow, beside, density_of
-from ..spectrum._ordinates import ordinates
 from ._tracked import Followed, Moments
 
 # Standard deviations of its frequency, as the fit has it, within which it was all the time.
@@ -22,7 +21,7 @@ def moments(state: Investigation, line: Narrow) -> Moments | None:
     low, high = line.middle - _REACH * line.width, line.middle + _REACH * line.width
     if low <= 0 or high >= 0.5:
         return None
-    spectrum = ordinates((state.calm[slice(*state.longest)],), state.sampling, state.format.angle)
+    spectrum = state.ordinates_of(state.calm[slice(*state.longest)])
     inside = slice(*np.searchsorted(spectrum.frequency, [low, high]))
     frequency = spectrum.frequency[inside]
     rest = beside(state, [line], frequency)

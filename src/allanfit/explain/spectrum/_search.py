@@ -206,6 +206,7 @@ def _cost(model: Model, data: Data) -> float:
     quantization, white = np.asarray(data.bins.expected)[data.bins.used][-1, :2]
     power = np.exp(model.theta[:2])
     needed = power[0] * quantization > _MUCH * power[1] * white
+    # Of truth values NumPy makes a sum that is one at most.
     return model.deviance + PRICE * (int(needed) + int(model.kinds.floored))
 
 

@@ -10,7 +10,7 @@ from .._state import Finding, Investigation, whitened_piece, whitened_pieces
 from ..lines._lines import scan
 from ..spectrum import _model
 from ..spectrum._narrow import narrow_noises
-from ..spectrum._ordinates import bin_edges, binned, ordinates
+from ..spectrum._ordinates import bin_edges, binned
 from ..spectrum._whiten import HEARD, level, without_bands, without_ends
 from ..values import _discrete
 from ..values._alone import Others
@@ -375,7 +375,7 @@ def _loud_variance(state: Investigation, changing: Modulation) -> float:
     )
     if not quiet:
         return 0.0
-    spectrum = ordinates(quiet, state.sampling, state.format.angle)
+    spectrum = state.ordinates_of(*quiet)
     bins = binned(spectrum, bin_edges(spectrum.longest))
     data = state.data._replace(bins=bins, samples=float(spectrum.longest))
     kinds, theta = state.model.kinds, state.model.theta
