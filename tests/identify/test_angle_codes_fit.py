@@ -45,3 +45,19 @@ def test_the_curves_that_are_shown_are_theirs():
     allan = curves_document(found, 1.0)["allan"]
     # The first sizes are known to 1 %; with white errors they were 3 to 12 % off.
     np.testing.assert_allclose(allan["model"][:12], allan["deviation"][:12], rtol=0.03)
+
+
+def test_a_file_that_is_read_in_blocks_is_fitted_as_one_in_memory(tmp_path):
+    """Of white errors N would be 27 % too large."""
+    values, _ = counts(6.0, 0.03, 4, samples=280_000)
+    np.save(tmp_path / "gyro.npy", values)
+    options = {"rate_hz": RATE_HZ, "unit": "deg/s"}
+    whole = allanfit.fit(allanfit.load(tmp_path / "gyro.npy", **options), posterior=False)
+    blocks = allanfit.fit_file(
+        tmp_path / "gyro.npy", block_samples=50_000, posterior=False, **options
+    )
+    for symbol in "NQ":
+        of_blocks, of_whole = (
+            float(each.channels[0].fit.coefficients[symbol]) for each in (blocks, whole)
+        )
+        assert of_blocks == pytest.approx(of_whole, rel=0.01)

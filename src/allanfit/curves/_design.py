@@ -175,17 +175,19 @@ def _beyond(
 
 @lru_cache(maxsize=32)
 def mode_variances(
-    length: int, modes: int, sampling: Sampling = "point"
+    length: int, modes: int, sampling: Sampling = "point", codes: AngleCodes | None = None
 ) -> Float[np.ndarray, "modes terms"]:
     """Variances of the cosine coefficients 1 to `modes` of a stretch, per unit power.
 
     Of Q, N, B and K along the axis of terms, for a sampling interval of one. `modes` is less than
-    the `length` of the stretch in samples.
+    the `length` of the stretch in samples; `codes` are as in `design`.
     """
     frequency = np.arange(1, modes + 1) / (2 * length)
     # Constants also where a user traces the fit.
     with jax.ensure_compile_time_eval(), jax.enable_x64(True):
-        columns = [expected_ordinates(term, length, frequency, sampling) for term in NOISE_TERMS]
+        columns = [
+            expected_ordinates(term, length, frequency, sampling, codes) for term in NOISE_TERMS
+        ]
     # An ordinate is 2 dt c^2, so c has half its variance.
     return np.stack(columns, axis=-1) / 2
 

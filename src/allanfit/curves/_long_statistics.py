@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from ..physics import Sampling, check_sampling
+from ..physics import AngleCodes, Sampling, check_sampling
+from ..recording._checks import codes_of
 from ..recording._lateness import SHORTEST_STRETCH
 from ._bins import logarithmic_edges
 from ._cluster_sizes import cluster_sizes
@@ -26,13 +27,16 @@ from ._statistics import Statistics
 
 # No record is longer, and sizes beyond its length cost next to nothing.
 _LONGEST = 2**44
+# As many of the first samples tell whether all are differences of an angle in wide codes.
+_TELLING = 2**18
 
 
 class LongStatistics:
     """Takes the samples [u] of one sensor block by block, and then gives what a fit needs.
 
     The Allan variance is that of `LongAllanVariance`, the spectrum that of `LongSpectrum`.
-    Stretches of fewer than 16 samples are left out. The spectrum is taken in a thread of its own,
+    Stretches of fewer than 16 samples are left out. Whether the samples are differences of an angle
+    in wide codes is asked of the first ones alone. The spectrum is taken in a thread of its own,
     beside the variance; samples handed over must not be changed afterwards.
     """
 
@@ -48,6 +52,8 @@ class LongStatistics:
         self._short: list[Float[np.ndarray, " samples"]] = []
         self._length = 0
         self._total = 0.0
+        self._first: list[Float[np.ndarray, " samples"]] = []
+        self._wanted = _TELLING
         #: The first sample of the present stretch, and whether any was not like its stretch's.
         self._level: float | None = None
         self._varies = False
@@ -81,6 +87,9 @@ class LongStatistics:
         if self._level is None:
             self._level = float(block[0])
         self._varies = self._varies or bool(np.any(block != self._level))
+        if self._wanted:
+            self._first.append(block[: self._wanted].copy())
+            self._wanted -= self._first[-1].size
         self._await_spectrum()
         self._spectral = self._beside.submit(self._spectrum.add, block)
         self._allan.add(block)
@@ -110,23 +119,27 @@ class LongStatistics:
         **Raises:** `ValueError` for another sampling.
         """
         check_sampling(sampling)
-        layout, bins = _design(self.lengths, sampling)
+        layout, bins = _design(self.lengths, sampling, codes_of(np.concatenate(self._first)))
         sums = np.bincount(bins, self._spectrum.sums(), minlength=len(layout.ordinates))
         allan = self._allan.value()[: len(layout.cluster_sizes)]
         found = (sums / layout.ordinates, allan, np.stack(self._odd_modes))
         return Statistics(*map(jnp.asarray, found)), layout
 
 
-def _design(lengths: tuple[int, ...], sampling: Sampling) -> tuple[Design, np.ndarray]:
+def _design(
+    lengths: tuple[int, ...], sampling: Sampling, codes: AngleCodes | None
+) -> tuple[Design, np.ndarray]:
     """As `allanfit.curves.design`, of the parts of long stretches, and the bin of each slot."""
     wholes = [whole_part(length) for length in lengths]
     times = Counter(wholes)
     for length in lengths:
         times.update(segment_parts(length))
     with jax.enable_x64(True):
-        expected = {part: 2 * mode_variances(part.samples, part.modes, sampling) for part in times}
+        expected = {
+            part: 2 * mode_variances(part.samples, part.modes, sampling, codes) for part in times
+        }
         sizes = cluster_sizes(max(lengths))
-        allan = expected_allan(sizes, sampling)
+        allan = expected_allan(sizes, sampling, codes)
     ramps = [_ramp(part, expected[part]) for part in wholes]
     slots = sum(number * _in_slots(part, expected[part]) for part, number in times.items())
     spacing = 1 / (2 * max(part.samples for part in wholes))

@@ -13,15 +13,12 @@ from jaxtyping import Array, Bool, Float
 
 from ..curves import Design, as_series, design, ends_matter, even_ends, unit_scale
 from ..physics import SYMBOLS, Sampling
-from ..recording._angle_codes import angle_codes
-from ..recording._checks import FEWEST_SAMPLES, code_width, usable
+from ..recording._checks import FEWEST_SAMPLES, codes_of, usable
 from ..recording._lateness import SHORTEST_STRETCH
 from ._estimate import Estimate, estimate
 
 # N is wrong at first where errors at the ends rule, and hardly changes from the second time on.
 PASSES = 2
-# As many samples tell how wide codes are.
-_TELLING = 200_000
 # The part of the posterior that stands for the absence of a noise that is not resolved.
 _SMALLEST = 1 / 3
 
@@ -175,8 +172,7 @@ def fit_series(
     if not isinstance(series, Tracer):
         _refuse_values_without_noise(pieces, stretches)
         # Less their mean they are no codes.
-        values = usable(np.asarray(data, float), stretches)
-        codes = angle_codes(values, code_width(values[:_TELLING]))
+        codes = codes_of(usable(np.asarray(data, float), stretches))
     layout = design(lengths, sampling, codes)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     if not isinstance(found.least_squares, Tracer):

@@ -140,6 +140,11 @@ def code_width(samples: Float64[np.ndarray, " usable"]) -> float:
     return float(steps[steps < 1.5 * small].mean())
 
 
+def codes_of(samples: Float64[np.ndarray, " usable"]) -> AngleCodes | None:
+    """How an angle moves among wide codes, where `samples` are its differences in such codes."""
+    return angle_codes(samples, code_width(samples[:_ENOUGH]))
+
+
 def local_deviation(samples: Float64[np.ndarray, " usable"]) -> float:
     """Standard deviation within short windows, in most of them: no drift and no outliers."""
     length = min(_WINDOW, samples.size)
