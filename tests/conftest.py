@@ -23,6 +23,8 @@ def pytest_configure(config: pytest.Config) -> None:
     shorten_compilation(folder)
     # For the commands that tests start.
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
+    # JAX keeps what takes a second; most programs here take less, and there are many of them.
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0"
     # For the processes that test side by side: of threads for small matrices one waits for another.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
