@@ -12,7 +12,7 @@ from .spectrum import _search
 from .spectrum._leakage import leave_leakage
 from .spectrum._model import rarity
 from .spectrum._search import Candidate
-from .spectrum._structure import NARROW, RIPPLED, WINDOWED
+from .spectrum._structure import MEANS, NARROW, RIPPLED, WINDOWED
 
 #: Another shape of a filter that is known, and white noise behind it.
 OF_FILTERS = "droop", "floor"
@@ -46,7 +46,7 @@ def smooth_option(state: Investigation, candidate: Candidate) -> Option:
         whole = state.spectrum
         if state.model.kinds.angle_filtered:
             leave_leakage(state)
-        if state.model.kinds.shaping in RIPPLED and not state.courses:
+        if state.model.kinds.shaping in (*RIPPLED, *MEANS) and not state.courses:
             better = _search.ripple_again(state.model, state.data)
             if better.kinds != state.model.kinds:
                 # What was left out was about the zeros of another.

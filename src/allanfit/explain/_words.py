@@ -43,7 +43,7 @@ def effect_sentence(effect: Effect, shown: Parameters) -> str:
         ),
         "resonance": lambda: (
             f"A resonance of {told('sigma')} rms at {told('frequency')} with a quality factor of "
-            f"{told('quality_factor')}{effect.note}."
+            f"{told('quality_factor')}{_hardly_swings(shown)}{effect.note}."
         ),
         "low_pass": lambda: (
             f"A low-pass filter at {told('cutoff_frequency')}"
@@ -196,6 +196,13 @@ def _unequal(shown: Parameters) -> str:
         return ""
     share, dwell = (float(shown[name]["value"]) for name in ("upper_share", "dwell_time"))
     return f": {2 * share * dwell:.3g} s at the upper, {2 * (1 - share) * dwell:.3g} s at the lower"
+
+
+def _hardly_swings(shown: Parameters) -> str:
+    """What a resonance without a peak looks like."""
+    if float(shown["quality_factor"]["value"]) ** 2 > 0.5:
+        return ""
+    return ", too low for a peak: white noise behind two lags in a row is the same"
 
 
 def _direction(effect: Effect) -> str:

@@ -15,6 +15,8 @@ _ROUGH_GAIN, _ROUGH_SHARE = 0.02, 1e-3
 _FAINT = 1e-4
 # Quality and relative width up to which they are usual, and the power with which they become rare.
 _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
+# With less quality a resonance hardly swings, which is rare as well.
+_SWINGS = 1.5
 _RARER = 1.5
 # And the correlation time in samples from which on it is usual.
 _SHORTEST = 2.0
@@ -135,9 +137,10 @@ def rise_without(term: int, model: Model, data: Data) -> float:
 def rarity(model: Model, data: Data, place: int = -1) -> float:
     """Twice the log of how usual an added noise is: where spectra do not tell, engineers do.
 
-    A resonance that rings for hundreds of periods is rare in a sensor, and a line that wanders by
-    more than a hundredth is hardly a line; nor is a bias that is forgotten within two samples one,
-    but white noise behind a filter. `place` is among the noises added, the last by default.
+    A resonance that rings for hundreds of periods is rare in a sensor, and so is one that hardly
+    swings; a line that wanders by more than a hundredth is hardly a line; nor is a bias that is
+    forgotten within two samples one, but white noise behind a filter. `place` is among the noises
+    added, the last by default.
     """
     name = model.kinds.added[place] if model.kinds.added else ""
     if name not in (*_USUAL, "gauss_markov"):
@@ -145,4 +148,6 @@ def rarity(model: Model, data: Data, place: int = -1) -> float:
     three = model.theta[model.kinds.first_slot :].reshape(-1, EACH)[place]
     first, breadth = (float(each) for each in shape_of(name, three, data.samples))
     excess = _SHORTEST / first if name == "gauss_markov" else breadth / _USUAL[name]
+    if name == "resonance":
+        excess = max(excess, _SWINGS / breadth - 1)
     return -2 * _RARER * float(np.logaddexp(0.0, np.log(excess)))

@@ -16,6 +16,8 @@ from ._model import Model
 from ._ordinates import bin_edges
 from ._structure import EACH, NARROW, shape_of
 
+# A resonance that is wider than such a part of its frequency hardly swings, and is no narrow band.
+_BROAD = 1 / 1.5
 # Bins within a width to either side of a peak that show its shape.
 _RESOLVED = 6
 # Beside the strongest peak there is such a part of its density at least.
@@ -44,7 +46,8 @@ def narrow_noises(model: Model, samples: float) -> list[Narrow]:
             three = model.theta[begin : begin + EACH]
             first, second = (float(each) for each in shape_of(name, three, samples))
             width = first * second if name == "drifting_line" else first / second
-            found.append(Narrow(name, place, three, first, width))
+            if width < _BROAD * first:
+                found.append(Narrow(name, place, three, first, width))
     return found
 
 

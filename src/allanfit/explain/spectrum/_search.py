@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .._chance import PRICE
+from ._density import parts
+from ._holding import held_rows
 from ._model import Model, best, rescaled, shaping_shape, without
 from ._starts import (
     Peaks,
@@ -48,6 +50,8 @@ _MUCH = 0.05
 _GROSS = 3.0
 # A filter begins over a floor of such a level at most [dB].
 _LOUDEST = -15.0
+# And holds such a part of all white noise at most.
+_MOST_OF_ALL = 0.5
 # A corner within such a factor of the lowest that is looked for is none.
 _LOWEST = 1.05
 
@@ -95,7 +99,7 @@ def window_again(model: Model, data: Data) -> Model:
 
 
 def ripple_again(model: Model, data: Data) -> Model:
-    """A filter with ripple, of any order where it is a poor one after ordinates are left out.
+    """Of a filter that is a poor one after ordinates are left out, one with ripple of any order.
 
     Or a window: what its ends leaked had floors like those between lobes.
     """
@@ -128,9 +132,11 @@ def beside(model: Model, name: str, data: Data) -> Model | None:
 def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     found = best([(kinds, theta) for _, kinds, theta in starts], data, rough=True)
     leading: dict[tuple[str, bool], Model] = {}
+    hump = np.inf
     for (name, kinds, _), reached in zip(starts, found, strict=True):
         own = name, _looked_up(kinds)
-        if _is_hump(name, reached):
+        if _is_hump(name, reached, data):
+            hump = min(hump, _cost(reached, data))
             continue
         if own not in leading or _cost(reached, data) < _cost(leading[own], data):
             leading[own] = reached
@@ -139,7 +145,8 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
     whole: dict[str, Model] = {}
     for (name, _), rough in leading.items():
         (reached,) = best([(rough.kinds, rough.theta)], data)
-        if _is_hump(name, reached):
+        if _is_hump(name, reached, data):
+            hump = min(hump, _cost(reached, data))
             continue
         if rough.kinds.shaping == OVERSAMPLED and reached.deviance > _GROSS * bins:
             # It has no number to climb by, and by chance is less wrong than what can.
@@ -147,17 +154,26 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
         if name not in whole or _cost(reached, data) < _cost(whole[name], data):
             whole[name] = reached
     return [
-        Candidate(name, reached, _gain(name, reached, model)) for name, reached in whole.items()
+        Candidate(name, reached, _gain(name, reached, model))
+        for name, reached in whole.items()
+        # Else another noise would be named for the white one.
+        if name != "low_pass" or _cost(reached, data) < hump
     ]
 
 
-def _is_hump(name: str, model: Model) -> bool:
+def _is_hump(name: str, model: Model, data: Data) -> bool:
     """Whether a filter's floor is so loud that what passes is correlated noise beside the white.
 
-    Filters that are found without a floor may have a louder one.
+    Nobody reads a sensor so often that most of what he reads came in behind its filter. Filters
+    that are found without a floor may have a louder one.
     """
-    floored = name == "low_pass" and model.kinds.floored
-    return floored and float(floor_of(model.theta[SHAPE])) > _LOUDEST
+    if name != "low_pass" or not model.kinds.floored:
+        return False
+    level = float(floor_of(model.theta[SHAPE]))
+    held = held_rows(data)
+    white = parts(model.theta[None], model.kinds, data, held)[0][0, 1] / held[1]
+    whole = np.average(white, weights=np.asarray(data.bins.shape))
+    return level > _LOUDEST or 10 ** (level / 10) > _MOST_OF_ALL * whole
 
 
 def _gain(name: str, reached: Model, model: Model) -> float:

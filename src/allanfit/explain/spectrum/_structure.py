@@ -216,8 +216,8 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     return {
         # Slower than a sixth of the record it is a random walk or a ramp.
         "gauss_markov": ((0.2, samples / 6), (0.5, 2.0)),
-        # With less quality it hardly swings, and is a relaxation to all who look at it.
-        "resonance": ((2 / samples, 0.499), (1.5, 3000.0)),
+        # With less quality it is two relaxations.
+        "resonance": ((2 / samples, 0.499), (0.5, 3000.0)),
         "power_law": ((0.15, 2.95), (0.5, 2.0)),
         # The width is relative: what wanders by more than a tenth of its frequency is no line.
         "drifting_line": ((2 / samples, 0.499), (0.3 / samples, 0.1)),
