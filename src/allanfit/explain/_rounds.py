@@ -12,7 +12,7 @@ from ._state import Investigation
 from .courses._options import course_options
 from .lines._taken import BAND, LINE, line_options
 from .spectrum import _search
-from .spectrum._narrow import narrow_noises
+from .spectrum._narrow import narrow_groups
 from .spectrum._structure import NARROW
 
 # Broad noises, of which one is as good a witness as another that something is left out; with so
@@ -169,7 +169,7 @@ def _choice(state: Investigation, alarms: list[Option]) -> tuple[Option, tuple[s
         return best, None
     if lines and (best is None or best.name in NARROW):
         return lines[0], ()
-    if len(state.peaks) > len(narrow_noises(state.model, float(state.data.samples))):
+    if len(state.peaks) > sum(map(len, narrow_groups(state))):
         sharp = [option for option in others if option.name in NARROW]
         if sharp:
             return max(sharp, key=lambda option: option.score), NARROW

@@ -16,7 +16,7 @@ from ._model import Model
 from ._ordinates import bin_edges
 from ._structure import EACH, NARROW, shape_of
 
-# A resonance that is wider than such a part of its frequency hardly swings, and is no narrow band.
+# A resonance that is wider than such a part of its frequency hardly swings.
 _BROAD = 1 / 1.5
 # Bins within a width to either side of a peak that show its shape.
 _RESOLVED = 6
@@ -46,14 +46,20 @@ def narrow_noises(model: Model, samples: float) -> list[Narrow]:
             three = model.theta[begin : begin + EACH]
             first, second = (float(each) for each in shape_of(name, three, samples))
             width = first * second if name == "drifting_line" else first / second
-            if width < _BROAD * first:
-                found.append(Narrow(name, place, three, first, width))
+            found.append(Narrow(name, place, three, first, width))
     return found
 
 
 def narrow_groups(state: Investigation) -> list[list[Narrow]]:
-    """Lines and resonances in groups whose bands meet: several may describe one cause."""
-    found = narrow_noises(state.model, float(state.data.samples))
+    """Lines and resonances in groups whose bands meet: several may describe one cause.
+
+    Not among them is a resonance that hardly swings.
+    """
+    found = [
+        one
+        for one in narrow_noises(state.model, float(state.data.samples))
+        if one.width < _BROAD * one.middle
+    ]
     groups: list[list[Narrow]] = []
     for one in sorted(found, key=lambda each: each.middle):
         last = groups[-1][-1] if groups else None

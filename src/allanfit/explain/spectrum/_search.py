@@ -51,7 +51,7 @@ _GROSS = 3.0
 # A filter begins over a floor of such a level at most [dB].
 _LOUDEST = -15.0
 # And holds such a part of all white noise at most.
-_MOST_OF_ALL = 0.5
+_MOST_OF_ALL = 0.25
 # A corner within such a factor of the lowest that is looked for is none.
 _LOWEST = 1.05
 
