@@ -199,6 +199,16 @@ def test_a_steep_filter_of_finite_response_is_one_filter():
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.03)
 
 
+def test_a_window_that_a_running_mean_stands_for_at_first_is_one_filter():
+    """What its ends leak hides the stop band until it is left out; a resonance stood beside."""
+    rng = np.random.default_rng(3)
+    values = rng.standard_normal(20_100) + 1e-4 * np.cumsum(rng.standard_normal(20_100))
+    values = lfilter(firwin(31, 0.08), [1.0], values)[100:]
+    state = investigate(values, ((0, values.size),), "point", np.array([0.0, 0.1, 0.0, 1e-8]))
+    assert [finding.name for finding in state.findings] == ["low_pass"]
+    assert np.exp(state.model.theta[1]) == pytest.approx(1.0, rel=0.05)
+
+
 def test_a_window_so_narrow_that_its_two_edges_meet_is_one_filter():
     """SciPy's 31 taps with a corner at a third of the window's width; N to five errors of 1 %."""
     taps = firwin(31, 2 * 0.03)
