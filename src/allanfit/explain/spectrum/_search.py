@@ -173,7 +173,7 @@ def _is_hump(name: str, model: Model, data: Data) -> bool:
     held = held_rows(data)
     white = parts(model.theta[None], model.kinds, data, held)[0][0, 1] / held[1]
     whole = np.average(white, weights=np.asarray(data.bins.shape))
-    return level > _LOUDEST or 10 ** (level / 10) > _MOST_OF_ALL * whole
+    return level > _LOUDEST or 10 ** (level / 10) > _MOST_OF_ALL * float(whole)
 
 
 def _gain(name: str, reached: Model, model: Model) -> float:
