@@ -24,7 +24,7 @@ from ._curves import explained_curves
 from ._effect import Effect
 from ._held_out import HeldOut
 from ._misfit import MISFIT
-from ._mismatch import Located, Mismatch, located
+from ._mismatch import Located, Mismatch, located, once
 from ._state import Investigation
 from ._words import effect_sentence, family_sentence, without_pointer
 from .lines._harmonics import Family, Line, families
@@ -125,7 +125,7 @@ class ChannelExplanation:
             **channel_header(channel, fit),
             "verdict": self.verdict,
             "false_alarm_probability": self.false_alarm_probability,
-            "mismatch": mismatch,
+            "mismatch": once(mismatch),
             "simulation": simulation,
             "effects": shown,
             "coefficients_before": plain,
