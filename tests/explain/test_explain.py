@@ -3,7 +3,9 @@
 import json
 from dataclasses import replace
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.signal import butter, fftconvolve, firwin, lfilter, welch
@@ -83,6 +85,20 @@ def test_short_stretches_are_explained_or_refused_in_one_sentence(tmp_path, leng
     else:
         channel = explain_recording(recording, posterior=False).to_dict()["channels"][0]
         assert channel["verdict"] == "consistent"
+
+
+def test_a_low_p_value_of_the_fit_does_not_contradict_a_consistent_verdict(tmp_path):
+    """One test in a hundred is as low by chance; the verdict is of all together."""
+    found = explain_recording(allanfit.load(written(tmp_path, noise(11))), posterior=False)
+    (channel,) = found.channels
+    assert channel.findings == ()
+    estimate = eqx.tree_at(
+        lambda each: each.goodness_of_fit, channel.before.estimate, jnp.asarray(0.0042)
+    )
+    low = replace(channel, before=replace(channel.before, estimate=estimate))
+    assert low.verdict == "consistent"
+    (told,) = low.findings
+    assert told.startswith("The five-term model alone fits with p = 0.0042, which is low for one")
 
 
 def test_a_model_that_does_not_fit_explains_nothing(tmp_path):

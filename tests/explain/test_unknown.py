@@ -8,7 +8,10 @@ from scipy.signal import butter, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
+from allanfit.explain._effects import _unknown
 from allanfit.explain._investigate import investigate
+from allanfit.explain._mismatch import located, once
+from allanfit.explain._state import Unknown
 from allanfit.explain.lines._changing import _pulse
 from allanfit.explain.lines._moving import Band
 from allanfit.explain.lines._sidebands import even
@@ -39,12 +42,12 @@ def noise():
     [
         (
             lambda x: x + 0.03 * ((TIME % 20) < 4) * np.sin(2 * np.pi * 7.3 * TIME),
-            "comes and goes, every 20 s",
+            "comes and goes, every 20 s, at 7.3",
         ),
         (lambda x: x + 0.012 * np.sin(2 * np.pi * (5 + 0.003 * TIME) * TIME), "sweeps"),
         (
             lambda x: x + 0.05 * ((TIME > 100) & (TIME < 180)) * np.sin(2 * np.pi * 7.3 * TIME),
-            "one frequency and phase whose strength changes, mostly from",
+            r"one frequency and phase whose strength changes, at 7.\S+ Hz, mostly from",
         ),
         (lambda x: np.where(np.abs(x - x.mean()) < 0.012, x.mean(), x), "a dead band"),
         (lambda x: x * np.where(np.arange(SAMPLES) % 2, 1.3, 1.0), "two converters"),
@@ -76,7 +79,7 @@ def noise():
 def test_it_is_called_unexplained_and_said_why(tmp_path, noise, cause, word):
     channel = explained(tmp_path, cause(noise))
     assert channel["verdict"] == "unexplained"
-    assert any(word in effect["sentence"] for effect in channel["effects"])
+    assert any(re.search(word, effect["sentence"]) for effect in channel["effects"])
     assert channel["improvement"]["held_out_log_score"]["difference"] > 10
 
 
@@ -196,3 +199,32 @@ def test_a_sweep_is_told_from_where_to_where(tmp_path, noise):
     (told,) = re.findall(r"sweeps .* from ([\d.]+) to ([\d.]+) Hz; a motor", said)
     # A segment of the path knows its frequency to a fraction of 0.6 Hz.
     assert [float(each) for each in told] == pytest.approx([11.5, 10.9], abs=0.1)
+
+
+def test_a_line_without_a_name_is_told_where_it_is_beside_a_bump(noise):
+    """Of the bump alone leaving it out of the model tells where it shows."""
+    state = investigate(noise, ((0, SAMPLES),), "point", np.array([1e-4, 0.005, 1e-6, 2e-4]))
+    kinds = state.model.kinds._replace(shaping="bump")
+    theta = np.concatenate([state.model.theta, [0.3, 0.0, 0.0, 0.0]])
+    state.model = state.model._replace(kinds=kinds, theta=theta)
+    state.unknown = [
+        Unknown(7.3 / RATE, 1e-3, "a line"),
+        Unknown(9.1 / RATE, 1e-3, "a line", period=20 * RATE),
+        Unknown(0.02 / RATE, 1.0, "a jump"),
+    ]
+    effects = [_unknown(state, each, 1 / RATE) for each in state.unknown]
+    assert [each.note for each in effects] == [
+        "a line, at 7.3 Hz",
+        "a line, every 20 s, at 9.1 Hz",
+        "a jump",
+    ]
+    entries = [each.entry for each in located(state, effects[:2], 1 / RATE)]
+    middles = sorted((entry["low"] + entry["high"]) / 2 for entry in entries)
+    assert middles == pytest.approx([7.3, 9.1], rel=1e-3)
+
+
+def test_places_that_are_alike_are_told_once():
+    place = {"domain": "time", "low": 0.0, "high": 9.0, "sentence": "It differs.", "effect": "bump"}
+    entries = [place | {"p_value": 1e-5}, place | {"p_value": 1e-3}]
+    other = place | {"low": 1.0, "p_value": 1e-3}
+    assert once([*entries, other]) == [entries[0], other]

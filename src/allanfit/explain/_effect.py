@@ -54,6 +54,12 @@ class Effect:
     felt: bool = False
 
     @property
+    def unmodelled(self) -> bool:
+        """Whether it has no name, and the better model does nothing about it."""
+        idle = self.name == "bump" and "high_pass" not in self.parameters
+        return idle and not np.any(self.parameters["height"])
+
+    @property
     def unmeasured(self) -> bool:
         """Whether it is a swing of temperature that nobody has measured."""
         return "time_scale" in self.parameters and not self.felt

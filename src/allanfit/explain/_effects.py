@@ -52,6 +52,8 @@ _NYQUIST = 0.5
 # Levels are held for different times if their shares differ by so many standard deviations.
 _UNEVEN = 3.0
 _MOST_TELEGRAPH = 0.96
+# In e-folds: what is narrower has one frequency.
+_NARROW = 0.1
 
 
 def effects_of(state: Investigation, draws: Draws | None, dt: float, seed: int) -> list[Effect]:
@@ -100,6 +102,8 @@ def _unknown(state: Investigation, unknown: Unknown, dt: float) -> Effect:
         note += f", every {unknown.period * dt:.4g} s"
     elif unknown.in_time and not unknown.bandless:
         note += ", from {:.3g} to {:.3g} Hz".format(*band)
+    if unknown.ends is None and not unknown.in_time and width < _NARROW:
+        note += f", at {middle:.4g} Hz"
     note += _mostly(state, unknown.times, dt) + (f"; {unknown.like}" if unknown.like else "")
     return Effect("bump", LINE, {}, draws, {}, band, note, unknown.in_time)
 

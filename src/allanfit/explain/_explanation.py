@@ -9,6 +9,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from ..formatting import p_value
 from ..identify import ChannelFit, Fit
 from ..identify._fit_document import (
     channel_header,
@@ -16,13 +17,14 @@ from ..identify._fit_document import (
     finite,
     recording_document,
 )
+from ..identify._recording_fit import LEFT_OUT
 from ..physics import EFFECTS, parameter_unit, unit_power
 from ..recording import Channel, Recording
 from ._curves import explained_curves
 from ._effect import Effect
 from ._held_out import HeldOut
 from ._misfit import MISFIT
-from ._mismatch import Located, Mismatch, located
+from ._mismatch import Located, Mismatch, located, once
 from ._state import Investigation
 from ._words import effect_sentence, family_sentence, without_pointer
 from .lines._harmonics import Family, Line, families
@@ -123,7 +125,7 @@ class ChannelExplanation:
             **channel_header(channel, fit),
             "verdict": self.verdict,
             "false_alarm_probability": self.false_alarm_probability,
-            "mismatch": mismatch,
+            "mismatch": once(mismatch),
             "simulation": simulation,
             "effects": shown,
             "coefficients_before": plain,
@@ -202,6 +204,10 @@ class ChannelExplanation:
             found = self.channel.findings
         else:
             found = ChannelFit(self.channel, self.before, None).findings
+        if self.verdict == "consistent":
+            # A look at one test, where the verdict is of all of them together.
+            alone = _goodness_alone(float(self.before.goodness_of_fit))
+            found = [alone if sentence == LEFT_OUT else sentence for sentence in found]
         return tuple(without_pointer(sentence) for sentence in found)
 
     @property
@@ -292,6 +298,15 @@ class Explanation:
         from ..report import explanation_html
 
         return explanation_html(self.to_dict())
+
+
+def _goodness_alone(goodness: float) -> str:
+    """What a small p-value of the fit says where nothing that is left out stands out."""
+    return (
+        f"The five-term model alone fits with {p_value(goodness)}, which is low for one test, and "
+        "no more than chance makes in as many as are made here: a longer recording tells whether "
+        "something is left out."
+    )
 
 
 def _plain(name: str) -> str:

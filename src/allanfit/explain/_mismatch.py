@@ -72,6 +72,18 @@ def located(state: Investigation, effects: Sequence[Effect], dt: float) -> list[
     return sorted(found, key=lambda each: each.entry["p_value"])
 
 
+def once(entries: Sequence[Mismatch]) -> list[Mismatch]:
+    """Places without those that say of another effect what was said before, but for the chance."""
+    told: list[Mismatch] = []
+    said: list[Mismatch] = []
+    for entry in entries:
+        what = {name: each for name, each in entry.items() if name != "p_value"}
+        if what not in said:
+            said.append(what)
+            told.append(entry)
+    return told
+
+
 def meet(one: Mismatch, other: Mismatch) -> bool:
     """Whether two places have one in common."""
     return (
@@ -201,6 +213,8 @@ def _band(state: Investigation, effect: Effect, dt: float) -> tuple[float, float
     if effect.name == "sinusoid":
         line, width = effect.value("frequency"), 0.5 / (state.spectrum.longest * dt)
         return line - width, line + width
+    if effect.unmodelled and effect.band_hz is not None:
+        return effect.band_hz
     name = "gauss_markov" if effect.name == "random_telegraph" else effect.name
     # One among several of a name is not told from the others by leaving it out.
     if state.model.kinds.names.count(name) != 1:

@@ -15,6 +15,7 @@ from ..curves import Design, as_series, design, ends_matter, even_ends, unit_sca
 from ..physics import SYMBOLS, Sampling
 from ..recording._checks import FEWEST_SAMPLES, codes_of, usable
 from ..recording._lateness import SHORTEST_STRETCH
+from ..recording._wraps import why_wraps
 from ._estimate import Estimate, estimate
 
 # N is wrong at first where errors at the ends rule, and hardly changes from the second time on.
@@ -157,8 +158,8 @@ def fit_series(
     - `stretches`: (start, stop) pairs of usable, gap-free runs; by default the whole record.
 
     **Raises:** `ValueError` for a wrong shape, too few samples, a rate that is not positive, and
-    within `stretches` for values that are not finite or all alike. Those of data that JAX traces
-    are not known, and make `Fit.converged` false instead.
+    within `stretches` for values that are not finite, are all alike, or wrap around. Those of data
+    that JAX traces are not known, and make `Fit.converged` false instead.
     """
     series = as_series(data, rate_hz)
     if series.ndim != 1:
@@ -172,7 +173,10 @@ def fit_series(
     if not isinstance(series, Tracer):
         _refuse_values_without_noise(pieces, stretches)
         # Less their mean they are no codes.
-        codes = codes_of(usable(np.asarray(data, float), stretches))
+        used = usable(np.asarray(data, float), stretches)
+        if why := why_wraps(used):
+            raise ValueError(f"data cannot be analysed: {why}")
+        codes = codes_of(used)
     layout = design(lengths, sampling, codes)
     found = estimate(pieces, layout, 1 / rate_hz, jax.random.key(seed))
     if not isinstance(found.least_squares, Tracer):

@@ -32,6 +32,10 @@ from ._nyquist import nyquist_score
 from ._sample import Posterior, sample
 
 SCHEMA = "allanfit.fit/1"
+LEFT_OUT = (
+    "Something is left out of the five-term model, and the coefficients carry its mark: their "
+    "intervals are only as good as the model."
+)
 # Standard deviations by which the spectrum must fall short near the Nyquist frequency.
 _DEFICIT = 3.0
 # Pieces whose influence is told, if each has as many samples.
@@ -79,10 +83,7 @@ class ChannelFit:
             found.append("The fit did not converge; its numbers mean nothing.")
             return tuple(found)
         if float(self.fit.goodness_of_fit) < MISFIT:
-            found.append(
-                "Something is left out of the five-term model, and the coefficients carry its "
-                "mark: their intervals are only as good as the model."
-            )
+            found.append(LEFT_OUT)
         if nyquist_score(self.fit) < -_DEFICIT:
             found.append(
                 "The spectrum falls toward the Nyquist frequency, which would take a negative Q^2: "

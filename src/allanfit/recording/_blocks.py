@@ -34,6 +34,7 @@ from ._load import (
 from ._mistakes import about_mistakes
 from ._recording import Channel, Progress, RecordingError, Table
 from ._wording import count, left_out
+from ._wraps import why_wraps
 
 # Time stamps are judged over as many samples at least, as those of a short record are.
 _FEWEST = 16 * CATCH_UP
@@ -264,7 +265,10 @@ class Blocks:
             # Of few samples chance might make a counter.
             enough = seen.size >= FEWEST_SAMPLES
             varies = bool(enough and seen.min() < seen.max())
-            why = enough and (why_state(name, seen, unit, wanted) or (varies and why_useless(seen)))
+            why = enough and (
+                why_state(name, seen, unit, wanted)
+                or (varies and (why_useless(seen) or why_wraps(seen, unit.name)))
+            )
             if why:
                 if wanted:
                     raise RecordingError(f"{self.name}: channel {name} cannot be analysed: {why}.")

@@ -215,7 +215,7 @@ def rails(values: Float64[np.ndarray, " usable"], width: float) -> tuple[float, 
     found = tuple(
         float(end)
         for end, each in zip(ends, codes, strict=True)
-        if _piled(each) or _between(each) or (noisy and _stops_falling(each))
+        if piled(each) or _between(each) or (noisy and _stops_falling(each))
     )
     # Spikes that are cut off stand at both ends, far from all others.
     return () if len(found) == 1 and written(values, fresh, found[0]) else found
@@ -233,7 +233,7 @@ def _between(codes: Float64[np.ndarray, " fresh"]) -> bool:
     return bool(np.abs(turn) > _ALIKE and np.abs(np.angle(turn)) > 2 * np.pi * 2 * _AT_CODE)
 
 
-def _piled(codes: Float64[np.ndarray, " fresh"]) -> bool:
+def piled(codes: Float64[np.ndarray, " fresh"]) -> bool:
     """Whether more samples stand at an extreme than the tail of their distribution has there.
 
     `codes` are the distances from it, in codes. A tail falls toward its end, so that a code there

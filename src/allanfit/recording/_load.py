@@ -23,6 +23,7 @@ from ._temperature import is_temperature, read_temperature
 from ._timestamps import Clock, read_clock, time_columns
 from ._units import Unit
 from ._wording import count, left_out
+from ._wraps import why_wraps
 
 # From a clock compared once a week to what no converter reaches.
 _RATES = (1e-6, 1e9)
@@ -147,7 +148,11 @@ def _recording(
         stretches = split(np.isfinite(values) & ~still, clock.breaks)
         used = usable(values, stretches)
         wanted = bool(channels) or len(asked) == 1
-        useless = why_state(name, used, units[name], wanted) or why_useless(used)
+        useless = (
+            why_state(name, used, units[name], wanted)
+            or why_useless(used)
+            or why_wraps(used, units[name].name)
+        )
         if useless and wanted:
             raise RecordingError(f"{path.name}: channel {name} cannot be analysed: {useless}.")
         if useless:
