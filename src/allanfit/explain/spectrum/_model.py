@@ -134,6 +134,12 @@ def rise_without(term: int, model: Model, data: Data) -> float:
     return less.deviance - model.deviance
 
 
+def swings(model: Model, data: Data) -> bool:
+    """Whether the resonance that was added last has a quality that makes it swing."""
+    three = model.theta[model.kinds.first_slot :].reshape(-1, EACH)[-1]
+    return float(shape_of("resonance", three, data.samples)[1]) > _SWINGS
+
+
 def rarity(model: Model, data: Data, place: int = -1) -> float:
     """Twice the log of how usual an added noise is: where spectra do not tell, engineers do.
 

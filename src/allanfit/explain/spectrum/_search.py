@@ -7,7 +7,7 @@ import numpy as np
 from .._chance import PRICE
 from ._density import parts
 from ._holding import held_rows
-from ._model import Model, best, rescaled, shaping_shape, without
+from ._model import Model, best, rescaled, rise_without, shaping_shape, swings, without
 from ._starts import (
     Peaks,
     Start,
@@ -31,6 +31,7 @@ from ._structure import (
     OVERSAMPLED,
     SHAPE,
     TWO_POLES,
+    WHITE,
     Data,
     Kinds,
     bounds,
@@ -153,12 +154,20 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
             continue
         if name not in whole or _cost(reached, data) < _cost(whole[name], data):
             whole[name] = reached
+    if "low_pass" in whole and _cost(whole["low_pass"], data) > hump:
+        # Another noise would be named for the white one.
+        del whole["low_pass"]
+    if "resonance" in whole and _is_filter(whole["resonance"], data):
+        del whole["resonance"]
     return [
-        Candidate(name, reached, _gain(name, reached, model))
-        for name, reached in whole.items()
-        # Else another noise would be named for the white one.
-        if name != "low_pass" or _cost(reached, data) < hump
+        Candidate(name, reached, _gain(name, reached, model)) for name, reached in whole.items()
     ]
+
+
+def _is_filter(model: Model, data: Data) -> bool:
+    """Whether what hardly swings is all noise there is, and so what a filter of it all passes."""
+    bare = model.kinds.shaping is None and not swings(model, data)
+    return bare and rise_without(WHITE, model, data) < PRICE
 
 
 def _is_hump(name: str, model: Model, data: Data) -> bool:

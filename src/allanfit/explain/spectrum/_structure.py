@@ -72,6 +72,8 @@ NARROW = ("resonance", "drifting_line")
 #: that has next to none.
 RIPPLE = (1e-12, 3.0)
 TERMS = 4
+#: Which of them is N.
+WHITE = 1
 # Of each effect: its size, and two numbers that say its shape, the second idle for some.
 EACH = 3
 #: Of what shapes the spectrum how it droops, or has ripple, in place of a size; and its floor.
