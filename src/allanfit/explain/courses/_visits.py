@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.fft import dct, idct, irfft, next_fast_len
+from scipy.fft import dct, idct, irfft
 from scipy.special import ndtr
 from scipy.stats import binom
 
@@ -165,7 +165,7 @@ def _variance(
     Two sums have a covariance that the variances of sums between their ends tell.
     """
     longest = int((stops.max(axis=1) - starts.min(axis=1)).max())
-    size = next_fast_len(2 * longest + 2, real=True)
+    size = 2 ** int(np.ceil(np.log2(2 * longest + 2)))
     even = np.interp(np.arange(size // 2 + 1) / size, np.linspace(0, 0.5, density.size), density)
     memory = np.asarray(irfft(even, size))[: longest + 1]
     # The variance of the sum of n samples: n c_0 + 2 sum (n - k) c_k.
