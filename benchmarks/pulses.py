@@ -6,8 +6,8 @@
 First pulses of a sample each 20, 100 or 500 samples in white noise, 10 to 25 standard deviations of
 the noise all together: how often `strongest_comb` finds them with a chance below .001. Then pulses
 that jump up and die away in 0.5 to 4 s, at random times some 15 s apart and 0.6 to 4 standard
-deviations high; such whose heights are exponential, of one sign and of both; and telegraphs of such heights
-that last as long: what `explain` says of them.
+deviations high; such whose heights are exponential, of one sign and of both; and telegraphs of such
+heights that last as long: what `explain` says of them.
 """
 
 from collections import Counter
@@ -36,7 +36,7 @@ def dying(rng: np.random.Generator) -> np.ndarray:
     """Pulses of one height at random times, each a jump that dies away."""
     height, lasts = 10 ** rng.uniform(-0.22, 0.6), RATE_HZ * 10 ** rng.uniform(-0.3, 0.6)
     starts = rng.random(SAMPLES) < 1 / (EVERY_S * RATE_HZ)
-    return height * lfilter([1], [1, -np.exp(-1 / lasts)], starts)
+    return height * np.asarray(lfilter([1], [1, -np.exp(-1 / lasts)], starts))
 
 
 def differing(rng: np.random.Generator) -> np.ndarray:
@@ -52,7 +52,7 @@ def popping(rng: np.random.Generator) -> np.ndarray:
 def _of_exponential_heights(rng: np.random.Generator, heights: np.ndarray) -> np.ndarray:
     height, lasts = 10 ** rng.uniform(-0.22, 0.6), RATE_HZ * 10 ** rng.uniform(-0.3, 0.6)
     starts = rng.random(SAMPLES) < 1 / (EVERY_S * RATE_HZ)
-    return height * lfilter([1], [1, -np.exp(-1 / lasts)], starts * heights)
+    return height * np.asarray(lfilter([1], [1, -np.exp(-1 / lasts)], starts * heights))
 
 
 def switching(rng: np.random.Generator) -> np.ndarray:
