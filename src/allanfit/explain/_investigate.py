@@ -32,6 +32,7 @@ from ._state import Finding, Investigation, begin
 from ._unknown import look_again
 from .courses._course import Course
 from .courses._one_by_one import likely_one_by_one
+from .courses._pulses import may_be_pulses, pulses
 from .courses._rectified import steps_while_loud
 from .courses._switches import of_switches, without_switches
 from .courses._taken_switches import (
@@ -168,13 +169,17 @@ def _investigated(
     if whole is not None:
         state = whole
         _take_all(state, drivers)
+    whole = _with_pulses(state, made, power, seed)
+    if whole is not None:
+        state = whole
+        _take_all(state, drivers)
     if steps_are_switches(state):
         _take_all(state, drivers)
     if about_angle(state):
         refit(state)
     _reconsider(state)
     name_fine_codes(state)
-    look_again(state)
+    look_again(state, seed)
     _leftover(state)
     _reconsider_lines(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
@@ -223,6 +228,23 @@ def _with_switches(
             without_spikes(whole, made)
         elif _moves(state) == 1:
             return None
+    whole.switching = True
+    return whole
+
+
+def _with_pulses(
+    state: Investigation, made: Investigation, power: Float[np.ndarray, " terms"], seed: int
+) -> Investigation | None:
+    """The investigation with all pulses left in, if some were cut or taken out one by one.
+
+    What is left has to say so too, or to switch too seldom. `made` is as of `_with_switches`.
+    """
+    if _moves(state) == 0 or state.vibration is not None or not may_be_pulses(state, seed):
+        return None
+    whole = _joined_again(state, power)
+    without_spikes(whole, made)
+    if not pulses(whole, seed):
+        return None
     whole.switching = True
     return whole
 

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from ._chance import INSIDE, log_chance, score
 from ._intervals import runs
 from ._state import Finding, Investigation, Unknown, whitened_piece
-from .courses._switches import jumps_one_way
+from .courses._pulses import tell_pulses
 from .lines._changing import look_at_lines
 from .lines._comb import strongest_comb
 from .lines._harmonics import Line, families
@@ -25,7 +25,7 @@ from .spectrum._leakage import take_bump
 from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
-from .spectrum._structure import EACH, SHAPE, UNNAMED, shape_of
+from .spectrum._structure import SHAPE, UNNAMED
 from .spectrum._whiten import within, without_bands
 from .strength._changing import (
     TILE,
@@ -59,37 +59,23 @@ _FAINT = 1e-3
 _WHITE = 0.25
 
 
-def look_again(state: Investigation) -> None:
+def look_again(state: Investigation, seed: int) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
     _only_courses_were_loud(state)
     told = tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
     look_at_lines(state, white, told)
-    _pulses(state)
+    pulsing = tell_pulses(state, seed)
     broad = _broad(state, white)
     _swing(state, _repeated(state, white, broad))
     _dead_band(state)
     _skewed(state)
-    _other_spectrum(state, broad)
+    # Pulses have a spectrum of their own while they last.
+    if not pulsing:
+        _other_spectrum(state, broad)
     if "variance_modulation" not in state.disowned:
         count_out_filtered(state)
     _bump_instead(state)
-
-
-def _pulses(state: Investigation) -> None:
-    """A process that jumps one way and comes back neither wanders nor switches."""
-    kinds, samples = state.model.kinds, state.data.samples
-    for place, name in enumerate(kinds.added):
-        if name != "gauss_markov":
-            continue
-        begin = kinds.first_slot + EACH * place
-        constant = float(shape_of(name, state.model.theta[begin : begin + EACH], samples)[0])
-        if jumps_one_way(state, begin, constant) > np.log(state.alarm):
-            continue
-        state.disowned_noises.add(place)
-        why = "the output jumps one way, again and again, and comes back by and by"
-        like = "discharges, impacts, or something that heats up do so"
-        state.unknown.append(Unknown(1 / (2 * np.pi * constant), 1.0, why, like=like))
 
 
 def _only_courses_were_loud(state: Investigation) -> None:

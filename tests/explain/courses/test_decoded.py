@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from allanfit.explain.courses._decoded import _likeliest
+from allanfit.explain.courses._decoded import likeliest
 
 PATHS = np.array(list(product((0, 1), repeat=10)))
 
@@ -21,4 +21,4 @@ def test_no_path_is_likelier(leave, variance):
         logs = switches * np.log(leave) + (9 - switches) * np.log1p(-leave)
         logs -= np.sum((means - PATHS) ** 2, axis=1) / (2 * variance)
         best = PATHS[np.argmax(logs)].astype(bool)
-        np.testing.assert_array_equal(_likeliest(means, variance, leave), best)
+        np.testing.assert_array_equal(likeliest(means, variance, leave), best)

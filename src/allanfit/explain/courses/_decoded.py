@@ -29,7 +29,7 @@ def decoded(values: Samples, level: Samples, white: float) -> Samples:
         size = max(round(dwell / _A_DWELL), values.size // _MOST, 1)
         count = values.size // size
         means = rest[: count * size].reshape(count, size).mean(axis=1)
-        path = _likeliest(means / height, white / size / height**2, size / dwell)
+        path = likeliest(means / height, white / size / height**2, size / dwell)
         found = np.append(np.repeat(path, size), np.full(values.size % size, path[-1]))
         if np.array_equal(found, level > 0):
             break
@@ -59,7 +59,7 @@ def _baseline(values: Samples, dwell: float) -> Samples:
     return np.asarray(idct(np.asarray(dct(values, norm="ortho")) / (1 + rise), norm="ortho"))
 
 
-def _likeliest(
+def likeliest(
     means: Float[np.ndarray, " moments"], variance: float, leave: float
 ) -> Bool[np.ndarray, " moments"]:
     """Which moments are on the upper level of zero and one.

@@ -12,8 +12,10 @@ from ..values._clipped import rails
 from ..values._contamination import Contamination, contamination
 from . import _course
 from ._one_by_one import FEWEST, seen_one_by_one
+from ._passing import half_and_rise, passing
 from ._shapes import draw_courses
 from ._telegraph import SURE, Levels, one_way, two_levels
+from ._visits import Visits, visits
 
 # A step is a switch if its height is that between the levels, within so much of it and so many of
 # its standard deviations, which so many draws give.
@@ -54,6 +56,29 @@ def jumps_one_way(state: Investigation, begin: int, constant: float) -> float:
     if rails(state) is not None:
         return 0.0
     return one_way(*_process(state, begin, constant))
+
+
+def visits_of(
+    state: Investigation, place: int, constant: float, seed: int
+) -> tuple[bool, Visits | None]:
+    """Whether a process seems to have two levels, and its visits to the rarer one, if enough.
+
+    `place` is that of the process among what the model adds; other arguments as of `levels_of`.
+    """
+    kinds = state.model.kinds
+    levels = levels_of(state, kinds.first_slot + EACH * place, constant, seed)
+    if levels.chance > state.alarm:
+        return False, None
+    values = state.calm[slice(*state.longest)]
+    path = _levels_in_time(values, levels.high, max(round(constant), 1))
+    bare = _model.without(state.model, kinds.names.index(kinds.added[place]))
+    expected = _course.ordinate_variance(state.left, bare, state.data)
+    modes = np.linspace(0.0, 0.5, values.size)
+    # An ordinate is 2 c^2.
+    density = np.interp(modes, state.left.frequency, expected / 2)
+    through = passing(state)
+    settles = 0 if through is None else half_and_rise(through.least)[1]
+    return True, visits(values, path, density, settles)
 
 
 def _process(
