@@ -53,7 +53,7 @@ def _looked_at(state: Investigation, seed: int) -> dict[int, tuple[Unknown | Non
             why = "pulses of differing heights come and go, where a telegraph has one height"
             like = "discharges, impacts, or several traps at once do so"
             first = state.longest[0]
-            times = tuple((int(a) + first, int(b) + first) for a, b in visits.at[visits.too_high])
+            times = tuple((int(a) + first, int(b) + first) for a, b in visits.at)
             found[place] = Unknown(corner, 1.0, why, like=like, times=times), False
     return found
 

@@ -4,7 +4,8 @@ A telegraph has two levels; pulses of differing heights have not, though two lev
 distribution better than one. So each visit to the rarer level is measured against the quiet times
 on both its sides, and by the noise of such a difference of means, of which the spectrum tells.
 What exceeds the typical height by a part of it, and by what noise does, is too high for a
-telegraph: brief returns that nobody sees lower a visit, and nothing makes it higher.
+telegraph: brief returns that nobody sees lower a visit, and nothing makes it higher. Of few visits
+their scatter tells more, by chi-square, where it is larger than such returns make it.
 """
 
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.fft import dct, idct, irfft
 from scipy.special import ndtr
-from scipy.stats import binom
+from scipy.stats import binom, chi2
 
 from .._intervals import runs
 from ._decoded import likeliest
@@ -30,6 +31,9 @@ _EDGE = 4.0
 _SEEN = 2.0
 # Moments of a visit, and how often the path is sought.
 _A_VISIT, _ROUNDS = 16, 3
+# They scatter by such a part of the height beside noise, which hidden returns do not make of them,
+# and the few that are farthest off may have been disturbed. A deviation over a median one.
+_SCATTER, _FARTHEST, _NORMAL = 0.2, 2, 1.4826
 # Fewer visits, or a smaller part of them that is too high, tell nothing.
 _VISITS, _SHARE = 8, 0.08
 
@@ -57,13 +61,28 @@ class Visits(NamedTuple):
 
     @property
     def log_chance(self) -> float:
-        """Log of the chance that noise makes as many too high, of visits that are all alike."""
+        """Log of the chance that noise makes heights that differ as much, of visits all alike."""
+        return min(min(self._of_high, self._of_scatter) + float(np.log(2)), 0.0)
+
+    @property
+    def _of_high(self) -> float:
+        """Of as many that are too high."""
         many, count = self.height.size, int(np.count_nonzero(self.too_high))
-        if many < _VISITS or count < _SHARE * many:
+        if count < _SHARE * many:
             return 0.0
         # Each passes by chance as often as a normal value passes so many standard deviations.
         beyond = _DEVIATIONS + _HIGHER * self.typical / self.deviation
         return float(binom.logsf(count - 1, many, np.mean(ndtr(-beyond))))
+
+    @property
+    def _of_scatter(self) -> float:
+        """Of as much scatter, without the few that are farthest off."""
+        off = np.abs(self.height - self.typical)
+        scatter = (_NORMAL * np.median(off)) ** 2 - np.median(self.deviation) ** 2
+        if scatter < (_SCATTER * self.typical) ** 2:
+            return 0.0
+        squares = np.sort((off / self.deviation) ** 2)[:-_FARTHEST]
+        return float(chi2.logsf(squares.sum(), self.height.size - 1))
 
 
 def visits(
@@ -72,7 +91,7 @@ def visits(
     density: Float[np.ndarray, " frequencies"],
     settles: int,
 ) -> Visits | None:
-    """The visits of `values` to the rarer level, if there are some that are seen for sure.
+    """The visits of `values` to the rarer level; None of fewer than eight that are seen for sure.
 
     `level` is a rough path of zeros and ones; `density` [u^2], of white noise its variance, is that
     of the noise at evenly spaced frequencies up to half the rate; a switch `settles` within so many
@@ -142,6 +161,9 @@ def _likelier(
 
     bare, path = quick(values), quick(level)
     height = float(bare @ path / (path @ path))
+    if height <= 0:
+        # Levels that have changed places are none.
+        return np.zeros(values.size)
     rest = bare + height * (level - path)
     size = max(round(brief / _A_VISIT), 1)
     count = values.size // size
