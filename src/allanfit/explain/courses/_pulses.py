@@ -1,10 +1,15 @@
 """Processes that are neither normal nor switch between two levels: pulses, told as such."""
 
 import numpy as np
+from scipy.stats import kstest
 
 from .._state import Investigation, Unknown
 from ..spectrum._structure import EACH, shape_of
 from ._switches import jumps_one_way, visits_of
+from ._visits import Visits
+
+# Of pulses at any time, times are as uneven as seldom as this; else the noise changes its strength.
+_UNEVEN = 1e-3
 
 
 def tell_pulses(state: Investigation, seed: int) -> bool:
@@ -49,13 +54,21 @@ def _looked_at(state: Investigation, seed: int) -> dict[int, tuple[Unknown | Non
             continue
         switches, visits = visits_of(state, place, constant, seed)
         found[place] = None, switches and visits is None
-        if visits is not None and visits.log_chance < np.log(state.alarm):
+        if visits is None or visits.log_chance > np.log(state.alarm):
+            continue
+        if _at_any_time(visits, state):
             why = "pulses of differing heights come and go, where a telegraph has one height"
             like = "discharges, impacts, or several traps at once do so"
             first = state.longest[0]
             times = tuple((int(a) + first, int(b) + first) for a, b in visits.at)
             found[place] = Unknown(corner, 1.0, why, like=like, times=times), False
     return found
+
+
+def _at_any_time(visits: Visits, state: Investigation) -> bool:
+    """Whether the rarer level is visited in all parts of the longest stretch."""
+    start, stop = state.longest
+    return kstest(visits.at[:, 0] / (stop - start), "uniform").pvalue > _UNEVEN
 
 
 def _constant(state: Investigation, place: int) -> float:
