@@ -68,7 +68,7 @@ def _looked_at(state: Investigation, seed: int) -> dict[int, tuple[Unknown | Non
 def _at_any_time(visits: Visits, state: Investigation) -> bool:
     """Whether the rarer level is visited in all parts of the longest stretch."""
     start, stop = state.longest
-    return kstest(visits.at[:, 0] / (stop - start), "uniform").pvalue > _UNEVEN
+    return float(kstest(visits.at[:, 0] / (stop - start), "uniform").pvalue) > _UNEVEN
 
 
 def _constant(state: Investigation, place: int) -> float:
