@@ -84,7 +84,7 @@ def main(arguments=None):
                 np.random.default_rng((5, period, strength, i)) for i in range(options.records)
             ]
             combs = [strongest_comb(repeated(rng, period, strength)) for rng in draws]
-            found.append(sum(comb is not None and comb.log_p < np.log(1e-3) for comb in combs))
+            found.append(int(sum(comb is not None and comb.log_p < np.log(1e-3) for comb in combs)))
         print(f"| {period} | " + " | ".join(map(str, found)) + f" | {options.records} |")
         rows.append({"period": period, "found": found})
     print()
