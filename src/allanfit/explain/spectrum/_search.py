@@ -154,7 +154,7 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
             continue
         if name not in whole or _cost(reached, data) < _cost(whole[name], data):
             whole[name] = reached
-    if "low_pass" in whole and _cost(whole["low_pass"], data) > hump:
+    if "low_pass" in whole and _cost(whole["low_pass"], data) > hump + PRICE:
         # Another noise would be named for the white one.
         del whole["low_pass"]
     if "resonance" in whole and _is_filter(whole["resonance"], data):
