@@ -71,7 +71,7 @@ def visits_of(
         return False, None
     values = state.calm[slice(*state.longest)]
     path = _levels_in_time(values, levels.high, max(round(constant), 1))
-    bare = _model.without(state.model, kinds.names.index(kinds.added[place]))
+    bare = _model.without(state.model, place + (kinds.shaping is not None))
     expected = _course.ordinate_variance(state.left, bare, state.data)
     modes = np.linspace(0.0, 0.5, values.size)
     # An ordinate is 2 c^2.

@@ -15,9 +15,9 @@ _ROUGH_GAIN, _ROUGH_SHARE = 0.02, 1e-3
 _FAINT = 1e-4
 # Quality and relative width up to which they are usual, and the power with which they become rare.
 _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
-# With less quality a resonance hardly swings, which is rare as well.
-_SWINGS = 1.5
 _RARER = 1.5
+#: With less quality a resonance hardly swings, which is rare as well.
+SWINGS = 1.5
 # And the correlation time in samples from which on it is usual.
 _SHORTEST = 2.0
 
@@ -137,7 +137,7 @@ def rise_without(term: int, model: Model, data: Data) -> float:
 def swings(model: Model, data: Data) -> bool:
     """Whether the resonance that was added last has a quality that makes it swing."""
     three = model.theta[model.kinds.first_slot :].reshape(-1, EACH)[-1]
-    return float(shape_of("resonance", three, data.samples)[1]) > _SWINGS
+    return float(shape_of("resonance", three, data.samples)[1]) > SWINGS
 
 
 def rarity(model: Model, data: Data, place: int = -1) -> float:
@@ -155,5 +155,5 @@ def rarity(model: Model, data: Data, place: int = -1) -> float:
     first, breadth = (float(each) for each in shape_of(name, three, data.samples))
     excess = _SHORTEST / first if name == "gauss_markov" else breadth / _USUAL[name]
     if name == "resonance":
-        excess = max(excess, _SWINGS / breadth - 1)
+        excess = max(excess, SWINGS / breadth - 1)
     return -2 * _RARER * float(np.logaddexp(0.0, np.log(excess)))

@@ -12,12 +12,10 @@ from ..lines._moving import Band
 from ..lines._tracked import Baseband, inside, narrow_band
 from . import _model
 from ._density import effects_density, gain_at, noise_at
-from ._model import Model
+from ._model import SWINGS, Model
 from ._ordinates import bin_edges
 from ._structure import EACH, NARROW, shape_of
 
-# A resonance that is wider than such a part of its frequency hardly swings.
-_BROAD = 1 / 1.5
 # Bins within a width to either side of a peak that show its shape.
 _RESOLVED = 6
 # Beside the strongest peak there is such a part of its density at least.
@@ -58,7 +56,7 @@ def narrow_groups(state: Investigation) -> list[list[Narrow]]:
     found = [
         one
         for one in narrow_noises(state.model, float(state.data.samples))
-        if one.width < _BROAD * one.middle
+        if one.width * SWINGS < one.middle
     ]
     groups: list[list[Narrow]] = []
     for one in sorted(found, key=lambda each: each.middle):

@@ -179,10 +179,12 @@ def _is_hump(name: str, model: Model, data: Data) -> bool:
     if name != "low_pass" or not model.kinds.floored:
         return False
     level = float(floor_of(model.theta[SHAPE]))
+    if level > _LOUDEST:
+        return True
     held = held_rows(data)
     white = parts(model.theta[None], model.kinds, data, held)[0][0, 1] / held[1]
     whole = np.average(white, weights=np.asarray(data.bins.shape))
-    return level > _LOUDEST or 10 ** (level / 10) > _MOST_OF_ALL * float(whole)
+    return 10 ** (level / 10) > _MOST_OF_ALL * float(whole)
 
 
 def _gain(name: str, reached: Model, model: Model) -> float:
