@@ -7,6 +7,7 @@ from pathlib import Path
 import jax
 import numpy as np
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
 
 from ..curves import unit_scale
 from ..formatting import finite
@@ -34,6 +35,8 @@ _SHORTEST = 64
 _OF_VALUES = ("output_rounding", "sample_hold", "dropped_samples", "saturation", "disturbance")
 
 
+# Of threads for small matrices each waits for the others, for most of the time there is.
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def explain_recording(
     recording: Recording | Mapping[str, ArrayLike] | ArrayLike,
     rate_hz: float | None = None,

@@ -8,25 +8,23 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
+from threadpoolctl import threadpool_limits
 
 from ..curves import unit_scale
 from ..physics import SYMBOLS
 from ._diagnostics import effective_sample_size, r_hat
-from ._estimate import as_design_dtype, solve, target
+from ._estimate import prepare
 from ._fit import Fit
-from ._posterior import Coordinates, coordinates, log_posterior, starting_points
-from ._ramp import RampData, draw_ramps, ramp_data
+from ._kernel_move import kernel_move
+from ._posterior import Coordinates, Target, coordinates, log_posterior, starting_points
+from ._ramp import RampData, draw_ramps
 
 _WALKERS = 32
-_BURN_IN = 500
-_ROUND = 2000
-_MOST_ROUNDS = 6
-# Where two terms trade off, differential evolution mixes twice as fast as stretch moves alone.
-_MOVES = [
-    (emcee.moves.DEMove(), 0.7),
-    (emcee.moves.DESnookerMove(), 0.1),
-    (emcee.moves.StretchMove(), 0.2),
-]
+_BURN_IN = 100
+_ROUND = 1000
+_MOST_ROUNDS = 12
+# Differential evolution finds what the draws of the fit, where the others go, may have missed.
+_TO_DRAWS, _ALONG = 0.7, 0.3
 _WANTED_R_HAT = 1.02
 _WANTED_SAMPLES = 1000
 
@@ -74,6 +72,20 @@ _log_posteriors = jax.jit(jax.vmap(log_posterior, (0, None, None)))
 
 
 @jax.jit
+def _begin(
+    key: PRNGKeyArray,
+    data: Target,
+    least_squares: Float[Array, " terms"],
+    draws: Float[Array, "draws terms"],
+) -> tuple[Coordinates, Float[Array, "walkers noise_terms"], Float[Array, "draws noise_terms"]]:
+    """Coordinates, where walkers start, and where the draws of a fit are; all for dt = 1."""
+    power = least_squares[:-1] ** 2
+    space = coordinates(data, power)
+    positions = jax.vmap(space.position)(draws[:, :-1] ** 2)
+    return space, starting_points(key, power, space, _WALKERS), positions
+
+
+@jax.jit
 def _with_ramps(
     key: PRNGKeyArray,
     positions: Float[Array, "draws noise_terms"],
@@ -86,14 +98,18 @@ def _with_ramps(
     return jnp.concatenate([jnp.sqrt(powers), ramps[:, None]], axis=1)
 
 
+# Of threads for small matrices each waits for the others.
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def sample(
     fit: Fit, *, seed: int = 0, most_rounds: int = _MOST_ROUNDS, progress: bool = False
 ) -> Posterior:
     """Sample the posterior of one fitted sensor with emcee (Foreman-Mackey et al. 2013).
 
     Samples the likelihood of the least-squares fit, with the prior of `_posterior`, in rounds of
-    2000 steps of 32 walkers until R-hat is below 1.02 and the effective sample size of every
+    1000 steps of 32 walkers until R-hat is below 1.02 and the effective sample size of every
     coefficient at least 1000, or until `most_rounds` are done; `Posterior.converged` says which.
+    Most moves are proposed from the draws of the fit, which have nearly the same posterior, and
+    accepted or not so that what is drawn is this one; walkers start apart from these draws.
 
     **Arguments:**
 
@@ -113,27 +129,34 @@ def sample(
         raise ValueError(
             "this fit did not converge, and has no posterior: look for NaN in its data"
         )
-    design = as_design_dtype(fit.design, fit.estimate.statistics.density.dtype)
-    data = target(fit.estimate.statistics, design)
-    solution = solve(data)
-    ramp = ramp_data(fit.estimate.statistics.odd_modes / data.unit, design)
-    space = coordinates(data, solution.power)
+    data, ramp = prepare(fit.estimate.statistics, fit.design)
+    scale = np.asarray(unit_scale(1 / fit.rate_hz)) * np.asarray(data.unit)
     start_key, ramp_key = jax.random.split(jax.random.key(seed))
-    start = starting_points(start_key, solution.power, space, _WALKERS)
+    estimate = fit.estimate
+    space, start, near = _begin(
+        start_key, data, estimate.least_squares / scale, estimate.draws / scale
+    )
+
+    def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
+        density = np.asarray(_log_posteriors(x.astype(start.dtype), data, space), np.float64)
+        # The posterior is even, and its walkers stay on one side of zero.
+        return np.where(np.all(x > 0, axis=1), density, -np.inf)
 
     sampler = emcee.EnsembleSampler(
         _WALKERS,
         start.shape[1],
-        lambda x: np.asarray(_log_posteriors(jnp.asarray(x, start.dtype), data, space), np.float64),
+        log_density,
         vectorize=True,
-        moves=_MOVES,
+        moves=[
+            (kernel_move(np.asarray(near, np.float64)), _TO_DRAWS),
+            (emcee.moves.DEMove(), _ALONG),
+        ],
     )
     random_state = np.random.RandomState(seed).get_state()
     state = emcee.State(np.asarray(start, np.float64), random_state=random_state)
     state = sampler.run_mcmc(state, _BURN_IN, progress=progress)
     sampler.reset()
     rounds = []
-    scale = np.asarray(unit_scale(1 / fit.rate_hz)) * np.asarray(data.unit)
     for index in range(most_rounds):
         state = sampler.run_mcmc(state, _ROUND, progress=progress)
         chain = np.asarray(sampler.get_chain())[-_ROUND:]
