@@ -15,7 +15,7 @@ from ..physics import SYMBOLS
 from ._diagnostics import effective_sample_size, r_hat
 from ._estimate import prepare
 from ._fit import Fit
-from ._kernel_move import kernel_move
+from ._kernels import kernel_move, kernels
 from ._posterior import Coordinates, Target, coordinates, log_posterior, starting_points
 from ._ramp import RampData, draw_ramps
 
@@ -148,7 +148,7 @@ def sample(
         log_density,
         vectorize=True,
         moves=[
-            (kernel_move(np.asarray(near, np.float64)), _TO_DRAWS),
+            (kernel_move(kernels(np.asarray(near, np.float64))), _TO_DRAWS),
             (emcee.moves.DEMove(), _ALONG),
         ],
     )

@@ -7,15 +7,16 @@ logarithm within the bounds in which it was looked for.
 
 from typing import Any, NamedTuple
 
-import emcee
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.special import expit, log_ndtr, ndtri
 
 from ...identify._posterior import _ABSENCE
 from .._chance import PRICE
 from ._density import log_slopes, parts, summed
 from ._holding import foreign, held_rows
 from ._model import Model, best, reshaped, rise_without
+from ._population import draw
 from ._running_mean import nearest_running_means, running_means
 from ._structure import (
     DROOPING,
@@ -40,17 +41,15 @@ from ._structure import (
     shape_of,
 )
 
-_WALKERS = 32
-_BURN_IN = 500
-_STEPS = 700
-_THIN = 5
-_LOST = 12.0
+# Points about the best, of which the first kernels are.
+_ABOUT = 1500
 # A kind of filter that is less likely is not sampled.
 _OPEN = 0.02
+# And one that is so much less likely than the likeliest is sampled roughly.
+_MINOR = 0.3
 # Two poles that are somewhat apart, as a free droop.
 _APART = 1.5
 _SMALLEST = float(np.log(0.05**2))
-_MOVES = [(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)]
 
 
 class Draws(NamedTuple):
@@ -86,7 +85,7 @@ def sample_structure(model: Model, data: Data, seed: int, *, quick: bool = False
     parts, rng = [], np.random.default_rng(seed)
     for each, weight in zip(models, weights, strict=True):
         if weight > _OPEN:
-            drawn = _sample(each, data, seed, quick)
+            drawn = _sample(each, data, seed, quick or weight < _MINOR * weights.max())
             kept = rng.random(len(drawn.power)) < weight / weights.max()
             filters = _filters(each.kinds, drawn.theta[kept, SHAPE].T, data.samples)
             best = np.full(kept.sum(), each is likeliest)
@@ -147,6 +146,11 @@ def _other_filters(model: Model, data: Data) -> list[Model]:
 
 
 def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
+    """Draws of one structure, in coordinates that leave its ridges as straight as may be.
+
+    Powers are quartic: their absence takes some room beside zero, and what they trade off against
+    is nearly straight. A shape is a standard normal variate where nothing is known of it.
+    """
     kinds, top = model.kinds, model.theta
     terms = np.asarray(data.terms)
     effects = active(kinds, terms)[TERMS:]
@@ -154,22 +158,27 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
     count = int(terms.sum())
     # Sizes of added noises: a prior bounded below keeps a faint effect from drifting to nothing.
     sizes = kinds.first_slot + EACH * np.arange(len(kinds.added))
-    deviation = _deviations(model, data)[terms]
-    scale = np.sqrt(_ABSENCE[terms] * deviation)
+    heights = [TERMS] if kinds.shaping in ("bump", FLAT) else []
+    bounded = np.flatnonzero(
+        ~np.isin(place, np.array([*sizes, *heights])) & (np.arange(place.size) >= count)
+    )
+    faint = np.flatnonzero(np.isin(place, sizes))
+    deviation, absence = _deviations(model, data)[terms], _ABSENCE[terms]
     shape, density = np.asarray(data.bins.shape), np.asarray(data.bins.density)
+    held, alien = held_rows(data), foreign(data)
 
-    def unpacked(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, "walkers parameters"]:
+    def unpacked(x: Float[np.ndarray, "points dim"]) -> Float[np.ndarray, "points parameters"]:
         theta = np.tile(top, (len(x), 1))
-        theta[:, place[count:]] = x[:, count:]
-        power = (scale * np.sinh(x[:, :count])) ** 2
+        rest = x.copy()
+        # From a normal variate to a uniform one, and from that to one of any size.
+        rest[:, bounded] = log_ndtr(x[:, bounded]) - log_ndtr(-x[:, bounded])
+        theta[:, place[count:]] = rest[:, count:]
+        power = deviation * x[:, :count] ** 4
         theta[:, place[:count]] = np.log(np.maximum(power, np.exp(FLOOR)))
         return theta
 
-    held, alien = held_rows(data), foreign(data)
-
-    def log_density(x: Float[np.ndarray, "walkers dim"]) -> Float[np.ndarray, " walkers"]:
+    def log_density(x: Float[np.ndarray, "points dim"]) -> Float[np.ndarray, " points"]:
         with np.errstate(all="ignore"):
-            x = np.clip(x, -300, 300)
             theta = unpacked(x)
             rows, bump, added = parts(theta, kinds, data, held)
             rows = rows[:, terms]
@@ -180,33 +189,27 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
             relative = rows / total[:, None]
             information = (relative * shape) @ relative.swapaxes(1, 2)
             value += np.linalg.slogdet(information)[1] / 2
-            value += np.sum(np.log((power + deviation) / (power + scale**2)), axis=1)
-            value += np.sum(np.log(np.abs(np.sinh(2 * x[:, :count]))), axis=1)
-            # Uniform in the logarithm between the bounds: the slope of the logistic function.
-            for index in place[count:]:
-                if index not in sizes and not (kinds.shaping in ("bump", FLAT) and index == TERMS):
-                    u = theta[:, index]
-                    value += -np.abs(u) - 2 * np.log1p(np.exp(-np.abs(u)))
-            for index in sizes:
-                value = np.where(theta[:, index] < top[index] + _SMALLEST, -np.inf, value)
-        return np.where(np.isfinite(value), value, -np.inf)
+            value += np.sum(np.log((power + deviation) / (power + absence * deviation)), axis=1)
+            value += 3 * np.sum(np.log(x[:, :count]), axis=1)
+            # Uniform in the logarithm between the bounds.
+            value -= np.sum(x[:, bounded] ** 2, axis=1) / 2
+            too_faint = theta[:, place[faint]] < top[place[faint]] + _SMALLEST
+        inside = np.all(x[:, :count] > 0, axis=1) & ~too_faint.any(axis=1) & np.isfinite(value)
+        return np.where(inside, value, -np.inf)
 
     rng = np.random.default_rng(seed)
-    start = _starts(model, data, place, count, scale, deviation, rng)
-    sampler = emcee.EnsembleSampler(
-        len(start), place.size, log_density, vectorize=True, moves=_MOVES
-    )
-    # emcee draws from NumPy's global state unless it is given its own.
-    sampler.random_state = np.random.RandomState(seed).get_state()
-    burn_in, steps = (part // (4 if quick else 1) for part in (_BURN_IN, _STEPS))
-    sampler.run_mcmc(start, burn_in + steps, skip_initial_state_check=True)
-    chain = np.asarray(sampler.get_chain(discard=burn_in, thin=_THIN))
-    height = np.median(np.asarray(sampler.get_log_prob(discard=burn_in, thin=_THIN)), axis=0)
-    # A walker that never left a side maximum says nothing of the posterior.
-    chain = chain[:, height > height.max() - _LOST - place.size]
-    theta = unpacked(chain.reshape(-1, place.size))
-    power = np.where(terms, np.exp(theta[:, :TERMS]), 0.0)
-    return Draws(power, theta)
+    power = np.exp(top[place[:count]])
+    about = np.abs(power + deviation * rng.standard_normal((_ABOUT, count)))
+    rest = top[place[count:]] + _scatter(model, data, place, rng)[:, count:]
+    start = np.concatenate([(about / deviation) ** 0.25, rest], axis=1)
+    start[:, bounded] = _normal(start[:, bounded])
+    theta = unpacked(draw(log_density, start, seed, quick=quick))
+    return Draws(np.where(terms, np.exp(theta[:, :TERMS]), 0.0), theta)
+
+
+def _normal(logit: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+    """The normal variate that is as far out as a logistic one."""
+    return -np.sign(logit) * ndtri(expit(-np.abs(logit)))
 
 
 def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
@@ -220,19 +223,10 @@ def _deviations(model: Model, data: Data) -> Float[np.ndarray, " terms"]:
     return np.sqrt(np.diag(np.linalg.inv(correlation))) / unit
 
 
-def _starts(model, data, place, count, scale, deviation, rng) -> Float[np.ndarray, "walkers dim"]:
-    walkers = max(_WALKERS, 2 * place.size + 2 + place.size % 2)
-    power = np.exp(model.theta[place[:count]])
-    scattered = np.abs(power + deviation * rng.standard_normal((walkers, count)))
-    x = np.arcsinh(np.sqrt(scattered) / scale)
-    effects = model.theta[place[count:]] + _scatter(model, data, place, rng, walkers)[:, count:]
-    return np.concatenate([x, effects], axis=1)
-
-
-def _scatter(model, data, place, rng, walkers) -> Float[np.ndarray, "walkers dim"]:
-    """Steps about the best as wide as the information there allows, half of them."""
+def _scatter(model, data, place, rng) -> Float[np.ndarray, "start dim"]:
+    """Steps about the best as wide as the information there allows."""
     slope = log_slopes(model.theta[None], model.kinds, data)[0][:, place]
     information = (slope * np.asarray(data.bins.shape)[:, None]).T @ slope
     values, vectors = np.linalg.eigh(information)
-    width = 0.5 / np.sqrt(np.maximum(values, 4.0))
-    return (rng.standard_normal((walkers, place.size)) * width) @ vectors.T
+    width = 1 / np.sqrt(np.maximum(values, 1.0))
+    return (rng.standard_normal((_ABOUT, place.size)) * width) @ vectors.T
