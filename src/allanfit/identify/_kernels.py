@@ -49,7 +49,8 @@ def kernels(draws: Float[np.ndarray, "draws dim"]) -> Kernels:
     """Kernels about some of the draws, each of the covariance of its nearest neighbours."""
     dimension = draws.shape[1]
     covariance = np.atleast_2d(np.cov(draws, rowvar=False))
-    whole = np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(dimension))
+    # However narrow a coordinate is beside the others, a little more leaves it as it is.
+    whole = np.linalg.cholesky(covariance + 1e-9 * np.diag(np.diag(covariance)))
     white = np.linalg.solve(whole, draws.T).T
     about = white[np.linspace(0, len(draws) - 1, min(_KERNELS, len(draws))).astype(int)]
     near = min(max(int(_NEAR * len(draws)), 4 * dimension), len(draws))

@@ -107,8 +107,9 @@ def _resampled(points, heights, drawn_from, random) -> Float[np.ndarray, "resamp
 
 
 def _flattened(log_weights: Float[np.ndarray, " points"]) -> Float[np.ndarray, " points"]:
-    """Weights, or a root of them that leaves enough in effect."""
-    log_weights = log_weights - np.max(log_weights)
+    """Weights, or a root of them that leaves enough in effect; alike where none is possible."""
+    highest = np.max(log_weights)
+    log_weights = log_weights - highest if np.isfinite(highest) else np.zeros(log_weights.shape)
     power = 1.0
     while True:
         weights = np.exp(power * log_weights)
