@@ -35,7 +35,8 @@ class Kernels(NamedTuple):
         apart = turned.reshape(-1, count, dimension) - middles
         squares = np.einsum("pki,pki->pk", apart, apart)
         tail = (_TAILS + dimension) / 2
-        return logsumexp(self.heights - tail * np.log1p(squares / _TAILS), axis=1)
+        every = self.heights - tail * np.log1p(squares / _TAILS)
+        return np.asarray(logsumexp(every, axis=1))
 
     def draw(self, count: int, random: np.random.RandomState) -> Float[np.ndarray, "count dim"]:
         """Points of the mixture."""

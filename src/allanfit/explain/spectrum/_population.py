@@ -12,7 +12,6 @@ from collections.abc import Callable
 import emcee
 import numpy as np
 from jaxtyping import Float
-from scipy.special import logsumexp
 
 from ...identify._kernels import kernel_move, kernels
 
@@ -91,7 +90,7 @@ def _population(log_density, about, random, most_rounds):
         drawn_from = np.concatenate(
             [
                 np.logaddexp(drawn_from, mixtures[-1].log_density(points)),
-                logsumexp([each.log_density(fresh) for each in mixtures], axis=0),
+                np.logaddexp.reduce([each.log_density(fresh) for each in mixtures]),
             ]
         )
         points = np.concatenate([points, fresh])
