@@ -23,6 +23,8 @@ class Kernels(NamedTuple):
     #: Cholesky factors of their covariances, and the inverses of these.
     roots: Float[np.ndarray, "kernels dim dim"]
     inverses: Float[np.ndarray, "kernels dim dim"]
+    #: The middles as the inverses turn them.
+    turned: Float[np.ndarray, "kernels dim"]
     #: Logarithm of the density of each in its middle, over their number.
     heights: Float[np.ndarray, " kernels"]
 
@@ -31,8 +33,7 @@ class Kernels(NamedTuple):
         count, dimension = self.middles.shape
         # One product for all kernels: it takes most of the time.
         turned = x @ self.inverses.reshape(-1, dimension).T
-        middles = np.einsum("kij,kj->ki", self.inverses, self.middles)
-        apart = turned.reshape(-1, count, dimension) - middles
+        apart = turned.reshape(-1, count, dimension) - self.turned
         squares = np.einsum("pki,pki->pk", apart, apart)
         tail = (_TAILS + dimension) / 2
         every = self.heights - tail * np.log1p(squares / _TAILS)
@@ -65,7 +66,9 @@ def kernels(draws: Float[np.ndarray, "draws dim"]) -> Kernels:
     sizes = np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
     one = gammaln((_TAILS + dimension) / 2) - gammaln(_TAILS / 2)
     one -= dimension / 2 * np.log(np.pi * _TAILS) + np.log(len(about))
-    return Kernels(middles, roots, np.linalg.inv(roots), one - sizes)
+    inverses = np.linalg.inv(roots)
+    turned = np.einsum("kij,kj->ki", inverses, middles)
+    return Kernels(middles, roots, inverses, turned, one - sizes)
 
 
 def kernel_move(found: Kernels) -> MHMove:

@@ -47,12 +47,10 @@ def draw(
         parts = np.split(x, range(_TOGETHER, len(x), _TOGETHER))
         return np.concatenate([log_density(part) for part in parts])
 
-    points, heights, drawn_from = _population(
-        in_parts, about, random, _ROUNDS // (2 if quick else 1)
-    )
+    rounds = _ROUNDS // (2 if quick else 1)
+    likely, last = _population(in_parts, about, random, rounds)
     walkers = max(_WALKERS, 2 * about.shape[1])
-    start = _resampled(points, heights, drawn_from, random)[:walkers]
-    wide = kernel_move(kernels(_resampled(points, heights / _WIDER, drawn_from, random)))
+    start, wide = likely[:walkers], kernel_move(last)
     along = emcee.moves.DEMove()
     # emcee draws from NumPy's global state unless it is given its own.
     state = emcee.State(start, random_state=random.get_state())
@@ -77,14 +75,14 @@ def _apart(before: Float[np.ndarray, "draws dim"], after: Float[np.ndarray, "mor
     return float(np.max(np.abs(distance) / after.std(axis=0)))
 
 
-def _population(log_density, about, random, most_rounds):
-    """Points, and logarithms of the posterior and of what they were drawn from.
+def _population(log_density, about, random, rounds):
+    """Points as often as they are likely, and kernels that are wider, after some rounds.
 
-    Each round draws from kernels about those before.
+    Each draws from kernels about the points of those before.
     """
     mixtures = [kernels(about)]
     points, heights, drawn_from = np.zeros((0, about.shape[1])), np.zeros(0), np.zeros(0)
-    for _ in range(most_rounds):
+    for _ in range(rounds):
         fresh = mixtures[-1].draw(_DRAWS, random)
         # As draws of all mixtures together: none is the heavier for lying off its own.
         drawn_from = np.concatenate(
@@ -96,7 +94,7 @@ def _population(log_density, about, random, most_rounds):
         points = np.concatenate([points, fresh])
         heights = np.concatenate([heights, log_density(fresh)])
         mixtures.append(kernels(_resampled(points, heights / _WIDER, drawn_from, random)))
-    return points, heights, drawn_from
+    return _resampled(points, heights, drawn_from, random), mixtures[-1]
 
 
 def _resampled(points, heights, drawn_from, random) -> Float[np.ndarray, "resampled dim"]:
