@@ -12,10 +12,11 @@ import pytest
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-from allanfit.compilation import shorten_compilation  # noqa: E402
+from allanfit.compilation import shorten_compilation, wait_less  # noqa: E402
 
 # Float64 throughout, as on the command line; tests of float32 turn it off for themselves.
 jax.config.update("jax_enable_x64", True)
+wait_less()
 
 
 def pytest_configure(config: pytest.Config) -> None:

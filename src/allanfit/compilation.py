@@ -1,9 +1,10 @@
 """How long JAX compiles: settings of programs that start, compute and end, and of single functions.
 
 A library leaves JAX's settings alone; the command line, the workers of a fleet and the tests, which
-are programs, call `configure_program`.
+are programs, call `configure_program` or what it calls.
 """
 
+import gc
 import os
 import warnings
 from collections.abc import Callable
@@ -34,10 +35,17 @@ def configure_program() -> None:
     from platformdirs import user_cache_path
 
     jax.config.update("jax_enable_x64", True)
-    # Of many small computations each waits for the last: to wake another thread, on another core,
-    # takes longer than they do.
-    jax.config.update("jax_cpu_enable_async_dispatch", False)
+    wait_less()
     shorten_compilation(user_cache_path("allanfit") / "compiled")
+
+
+def wait_less() -> None:
+    """Settings for many small computations."""
+    # Each waits for the last: to wake another thread, on another core, takes longer than they do.
+    jax.config.update("jax_cpu_enable_async_dispatch", False)
+    # Tracing makes hundred thousands of objects that stay, and Python's usual numbers, 700, 10 and
+    # 10, have it look for garbage among them a thousand times in a `fit`.
+    gc.set_threshold(50_000, 10, 10)
 
 
 def shorten_compilation(folder: Path) -> None:

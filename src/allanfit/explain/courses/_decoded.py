@@ -71,11 +71,9 @@ def likeliest(
     # Of a moment as long as a dwell nothing is known.
     leave = min(leave, 0.5)
     switch = float(np.log1p(-leave) - np.log(leave))
-
-    def with_next(before: float, gain: float) -> float:
-        return min(max(before, -switch), switch) + gain
-
-    ahead = np.array([*accumulate(((means - 0.5) / variance).tolist(), with_next)])
+    gains = ((means - 0.5) / variance).tolist()
+    with_next = accumulate(gains, lambda before, gain: min(max(before, -switch), switch) + gain)
+    ahead = np.array([*with_next])
     known = np.abs(ahead) > switch
     known[-1] = True
     # Each moment is on the level of the next that is known.

@@ -251,12 +251,19 @@ def _sharper(found: Candidate, model: Model, data: Data) -> Candidate:
 
 
 def _ahead(starts: list[tuple[Kinds, np.ndarray]], data: Data) -> list[tuple[Kinds, np.ndarray]]:
-    """Of each kind the one that leads after a few steps, of those kinds that do."""
-    found = sorted(best(starts, data, _TRIAL, rough=True), key=lambda each: _cost(each, data))
-    leading: dict[Kinds, np.ndarray] = {}
-    for each in found:
-        leading.setdefault(each.kinds, each.theta)
-    return [*leading.items()][:_KEPT]
+    """Of each kind the one that leads after a few steps, of those kinds that do after some more.
+
+    One in front of the converter, of which what it passes folds back, needs more of them.
+    """
+    for kept, steps in (2 * _KEPT, _TRIAL), (_KEPT, 2 * _TRIAL):
+        found = sorted(best(starts, data, steps, rough=True), key=lambda each: _cost(each, data))
+        leading: dict[Kinds, np.ndarray] = {}
+        for each in found:
+            leading.setdefault(each.kinds, each.theta)
+        starts = [*leading.items()][:kept]
+        if len(starts) <= _KEPT:
+            break
+    return starts
 
 
 def _ahead_floored_or_not(

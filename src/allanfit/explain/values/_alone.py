@@ -50,10 +50,13 @@ class Others:
         self._sizes = sizes or [stop - start for start, stop in state.long_pieces]
         self._weights = [precision(size, state.left, expected) for size in self._sizes]
         every = np.concatenate(self._weights)
-        #: How tall an error of one unit is over what they leave open [1/u].
-        self.height = float(np.sqrt(np.mean(every)))
+        exact = float(np.sqrt(np.mean(every)))
         #: Whether a record made white shows an error in one sample, and they say nothing of one.
-        self.white = float(np.mean(np.sqrt(every))) > _WHITE * self.height
+        self.white = float(np.mean(np.sqrt(every))) > _WHITE * exact
+        #: The standard deviation of what they `contradict` of the noise itself [1/u].
+        self.spread = exact if sizes else max(exact, self._scatter(state.calm[state.looked_at]))
+        #: How tall an error of one unit is over what they leave open [1/u].
+        self.height = exact**2 / self.spread
         #: Samples within which one is told from another.
         self.near = _NEAR
         if self._drifts():
@@ -69,6 +72,13 @@ class Others:
         """Slower than this [cycles per sample] noise is no matter of single samples."""
         return 1 / (2 * self.near)
 
+    def _scatter(self, values: Float[np.ndarray, " looked_at"]) -> float:
+        """Of what they contradict: more than expected where they expect the wrong spectrum.
+
+        At the edge of a filter that is not found yet, powers of all sizes are smoothed together.
+        """
+        return 1.4826 * float(np.median(np.abs(self.contradict(values))))
+
     def _drifts(self) -> bool:
         """Whether what they say of one comes from slow noise."""
         slow = [
@@ -80,7 +90,7 @@ class Others:
     def contradict(
         self, values: Float[np.ndarray, " looked_at"], *, slowest: float = 0.0
     ) -> Float[np.ndarray, " looked_at"]:
-        """How far each is from what they expect, times the square of `height` [1/u].
+        """How far each is from what they expect, times the mean of their weights [1/u].
 
         From the frequency `slowest` on [cycles per sample].
         """
@@ -212,7 +222,7 @@ def _stand_out(
     for _ in range(_ROUNDS):
         at = np.flatnonzero(wrong)
         filled[at] = others.expect(calm, at)
-        high = np.abs(others.contradict(filled)) / others.height
+        high = np.abs(others.contradict(filled)) / others.spread
         peaks = (high == maximum_filter1d(high, 2 * others.near + 1)) & ~refused
         more = peaks & (high > max(reach, _ECHO * np.max(high, where=peaks, initial=0.0)))
         if not more.any():
