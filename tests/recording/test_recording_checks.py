@@ -120,6 +120,14 @@ def test_held_samples_are_found_among_coarse_codes(archive):
     assert "read faster" in finding
 
 
+@pytest.mark.parametrize("held", [False, True])
+def test_codes_that_a_converter_misses_are_not_held(held, archive):
+    """Every eighth code is the one below: neighbours are equal more often, and all others too."""
+    codes = np.floor(white()[np.arange(SIZE) // (1 + held)] / 0.4)
+    codes[codes % 8 == 7] -= 1
+    assert any("read faster" in finding for finding in findings(0.4 * codes, archive)) is held
+
+
 @pytest.mark.parametrize("width", [1.1, 2.2, 4.4])
 def test_a_code_width_as_large_as_the_noise(width, archive):
     (finding,) = findings(rounded(white(), width), archive)

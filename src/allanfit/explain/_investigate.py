@@ -18,7 +18,6 @@ from ..physics import Sampling
 from ..recording._checks import usable
 from ._chance import log_chance
 from ._intervals import cut_out, joined
-from ._options import take_filter
 from ._refit import (
     drop_courses,
     evidence,
@@ -146,7 +145,7 @@ def _investigated(
     if times:
         state = _begin_again(state, free, power)
     made = copy(state)
-    _take_what_is_clear(state)
+    take_strong_lines(state)
     if about_spread(state, seed):
         state = _without_knocks(state, power, seed)
     if _moves(state) and state.vibration is None:
@@ -187,16 +186,6 @@ def _investigated(
     return state
 
 
-def _take_what_is_clear(state: Investigation) -> None:
-    """Strong lines, and a filter that leaves next to nothing of high frequencies.
-
-    There a record that is made white without it would be anything.
-    """
-    take_strong_lines(state)
-    if state.spectrum.top < 0.5 or state.spectrum.holes:
-        take_filter(state)
-
-
 def _without_knocks(
     state: Investigation, power: Float[np.ndarray, " terms"], seed: int
 ) -> Investigation:
@@ -206,7 +195,7 @@ def _without_knocks(
     """
     for left in reversed(range(_MOST_CUTS)):
         state = _begin_again(state, cut_out(state.pieces, state.knocks), power)
-        _take_what_is_clear(state)
+        take_strong_lines(state)
         if not about_spread(state, seed, may_cut=left > 0):
             break
     return state

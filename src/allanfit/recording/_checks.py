@@ -36,6 +36,8 @@ _IN_CODE, _BEYOND, _DEVIATIONS = 50, 1.3, 5.0
 _AT_CODE, _NEAR, _ALIKE = 0.02, 8.0, 0.95
 # Of repeats in a dead band as many are of one value.
 _NEARLY_ALL = 0.8
+# Samples apart at which equal ones are no held ones; drifts move them apart as well.
+_APART = (8, 16, 32, 64, 128)
 # So many repeats beyond chance, and as many of its deviations, are none of chance, though few.
 _FEWEST_REPEATS, _CLEARLY = 10, 7.0
 _WINDOW = 64
@@ -298,7 +300,8 @@ def repeated(
     First differences of noise are log-concave in distribution, so two bins next to zero bound
     what zero may hold by chance. Values mixed from coarser codes make other steps frequent too,
     so zero has to stand out of these as well. Held samples do both, however coarse the codes are.
-    Samples at the `ends` of the range do not count.
+    Where a converter misses codes, or has some that are wide, samples far from one another are
+    equal as often. Samples at the `ends` of the range do not count.
     """
     steps = np.diff(values)
     steps = steps[~np.isin(values[1:], ends)]
@@ -324,11 +327,19 @@ def repeated(
     step_codes = np.arange(1, 2 * bin_codes + 1).reshape(2, bin_codes)
     inner, outer = np.mean(step_codes**2, axis=1)
     likely = near * (near / far) ** (inner / (outer - inner)) if far > 0 else most
-    held = bool(beyond) and not np.isfinite(dead)
+    apart = _equal_apart(values, ends) if beyond else 0.0
+    held = bool(beyond) and not np.isfinite(dead) and repeats >= max(0.01 + apart, 1.5 * apart)
     chance = most * values.size
     clear = max(1.5 * chance, chance + _CLEARLY * chance**0.5 + _FEWEST_REPEATS)
     few = not beyond and repeats * values.size >= clear
     return Repeats(float(repeats), float(min(likely, most)), float(most), held, dead, bool(few))
+
+
+def _equal_apart(values: Float64[np.ndarray, " usable"], ends: tuple[float, ...]) -> float:
+    """The share of samples that equal another so far from them that none is held as long."""
+    inside = ~np.isin(values, ends)
+    lags = [lag for lag in _APART if lag < values.size]
+    return min(float(np.mean((values[lag:] == values[:-lag]) & inside[lag:])) for lag in lags)
 
 
 def _one_value(again: Float64[np.ndarray, " repeats"]) -> float:
