@@ -328,11 +328,13 @@ def repeated(
     inner, outer = np.mean(step_codes**2, axis=1)
     likely = near * (near / far) ** (inner / (outer - inner)) if far > 0 else most
     apart = _equal_apart(values, ends) if beyond else 0.0
-    held = bool(beyond) and not np.isfinite(dead) and repeats >= max(0.01 + apart, 1.5 * apart)
+    held = beyond and not np.isfinite(dead) and repeats >= max(0.01 + apart, 1.5 * apart)
     chance = most * values.size
     clear = max(1.5 * chance, chance + _CLEARLY * chance**0.5 + _FEWEST_REPEATS)
     few = not beyond and repeats * values.size >= clear
-    return Repeats(float(repeats), float(min(likely, most)), float(most), held, dead, bool(few))
+    return Repeats(
+        float(repeats), float(min(likely, most)), float(most), bool(held), dead, bool(few)
+    )
 
 
 def _equal_apart(values: Float64[np.ndarray, " usable"], ends: tuple[float, ...]) -> float:
