@@ -55,11 +55,12 @@ def written(
     if np.count_nonzero(values == end) > _BRIEF * np.count_nonzero(fresh == end) or others.size < 2:
         return False
     nearest = float(np.abs(others - end).min())
-    far = max(abs(float(np.median(others)) - end) / 2, _FAR * _deviation(np.diff(others)))
+    far = max(abs(float(np.median(others)) - end) / 2, _FAR * deviation(np.diff(others)))
     return nearest > far
 
 
-def _deviation(values: Float64[np.ndarray, " values"]) -> float:
+def deviation(values: Float64[np.ndarray, " values"]) -> float:
+    """The standard deviation of normal values, by the median of their sizes."""
     return 1.4826 * float(np.median(np.abs(values)))
 
 
@@ -71,12 +72,12 @@ def alone(
     As no others near them are. Second, how far each but the first and the last is from there.
     """
     apart = values[1:-1] - (values[:-2] + values[2:]) / 2
-    deviation = _deviation(apart[:: max(1, apart.size // _ENOUGH)])
+    usual = deviation(apart[:: max(1, apart.size // _ENOUGH)])
     size = np.abs(apart)
-    loud = np.flatnonzero(size > _LOUD * deviation) if deviation > 0 else np.zeros(0, int)
+    loud = np.flatnonzero(size > _LOUD * usual) if usual > 0 else np.zeros(0, int)
     # The neighbours of a spike are half as far from the middle of theirs.
     left, right = (size[np.clip(loud + step, 0, size.size - 1)] for step in (-1, 1))
-    high = size[loud] > np.maximum(1.5 * np.maximum(left, right), far * deviation)
+    high = size[loud] > np.maximum(1.5 * np.maximum(left, right), far * usual)
     at = loud[high]
     before = at - loud[np.maximum(np.searchsorted(loud, at - 1) - 1, 0)]
     after = loud[np.minimum(np.searchsorted(loud, at + 2), max(loud.size - 1, 0))] - at

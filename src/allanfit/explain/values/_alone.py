@@ -14,6 +14,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import binom, chi2, norm
 
+from ...recording._spikes import deviation
 from .._refit import rebin, refit
 from .._state import Investigation, between_even_ends
 from ..spectrum._ordinates import amplitudes
@@ -53,8 +54,12 @@ class Others:
         exact = float(np.sqrt(np.mean(every)))
         #: Whether a record made white shows an error in one sample, and they say nothing of one.
         self.white = float(np.mean(np.sqrt(every))) > _WHITE * exact
-        #: The standard deviation of what they `contradict` of the noise itself [1/u].
-        self.spread = exact if sizes else max(exact, self._scatter(state.calm[state.looked_at]))
+        #: The standard deviation of what they `contradict` of the noise itself [1/u]: more than
+        #: expected at the edge of a filter that is not found yet, where the spectrum is smoothed.
+        self.spread = exact
+        if sizes is None:
+            contradicted = self.contradict(state.calm[state.looked_at])
+            self.spread = max(exact, deviation(contradicted))
         #: How tall an error of one unit is over what they leave open [1/u].
         self.height = exact**2 / self.spread
         #: Samples within which one is told from another.
@@ -71,13 +76,6 @@ class Others:
     def slowest(self) -> float:
         """Slower than this [cycles per sample] noise is no matter of single samples."""
         return 1 / (2 * self.near)
-
-    def _scatter(self, values: Float[np.ndarray, " looked_at"]) -> float:
-        """Of what they contradict: more than expected where they expect the wrong spectrum.
-
-        At the edge of a filter that is not found yet, powers of all sizes are smoothed together.
-        """
-        return 1.4826 * float(np.median(np.abs(self.contradict(values))))
 
     def _drifts(self) -> bool:
         """Whether what they say of one comes from slow noise."""
