@@ -186,6 +186,26 @@ def test_exponential_averages_of_averages_have_poles_and_no_zeros():
     assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
 
 
+@pytest.mark.parametrize("part", [0.3, 0.35, 0.5])
+def test_behind_one_pole_all_noise_is_no_correlated_noise(part):
+    """It was one cause of twenty, without white noise, and N's interval reached to zero."""
+    _, _, state = found_in(lfilter([part], [1, part - 1], noise(11, SAMPLES + 2000)))
+    found = state.finding("low_pass")
+    assert found.rivals.keys().isdisjoint({"gauss_markov"})
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.06)
+
+
+def test_correlated_noise_above_white_is_no_filter():
+    """Such noise of more than three times the power, which one pole is like before it flattens."""
+    shocks = np.random.default_rng(12).standard_normal(SAMPLES + 2000)
+    x = noise(13, SAMPLES + 2000) + lfilter([1], [1, -0.85], shocks)
+    values = x[-SAMPLES:]
+    power = np.array([0.0, np.var(values), 0.0, 1e-6])
+    state = investigate(values, ((0, SAMPLES),), "point", power)
+    assert [finding.name for finding in state.findings] == ["gauss_markov"]
+    assert np.exp(state.model.theta[1] / 2) == pytest.approx(1, abs=0.12)
+
+
 def test_a_steep_filter_of_finite_response_is_one_filter():
     """SciPy's equiripple half-band filter of 47 taps, and codes of a thirtieth of the noise."""
     taps = remez(47, [0, 0.2, 0.3, 0.5], [1, 0], fs=1.0)

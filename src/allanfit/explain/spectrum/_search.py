@@ -5,9 +5,18 @@ from typing import NamedTuple
 import numpy as np
 
 from .._chance import PRICE
-from ._density import parts
+from ._density import effects_density, parts
 from ._holding import held_rows
-from ._model import Model, best, rescaled, rise_without, shaping_shape, swings, without
+from ._model import (
+    Model,
+    best,
+    mean_density,
+    rescaled,
+    rise_without,
+    shaping_shape,
+    swings,
+    without,
+)
 from ._starts import (
     Peaks,
     Start,
@@ -47,6 +56,8 @@ _KEPT_BUMPS = 8
 _HOPELESS = 10.0
 # Quantization noise over white noise at the Nyquist frequency that is worth a word.
 _MUCH = 0.05
+# What is more of the density than this is most of it.
+_MOST = 0.5
 # Deviance a bin from which on a comb of means is none.
 _GROSS = 3.0
 # A filter begins over a floor of such a level at most [dB].
@@ -159,6 +170,8 @@ def _compare(starts: list[Start], model: Model, data: Data) -> list[Candidate]:
         del whole["low_pass"]
     if "resonance" in whole and _is_filter(whole["resonance"], data):
         del whole["resonance"]
+    if {"gauss_markov", "low_pass"} <= whole.keys() and _is_one_pole(whole["gauss_markov"], data):
+        del whole["gauss_markov"]
     return [
         Candidate(name, reached, _gain(name, reached, model)) for name, reached in whole.items()
     ]
@@ -168,6 +181,17 @@ def _is_filter(model: Model, data: Data) -> bool:
     """Whether what hardly swings is all noise there is, and so what a filter of it all passes."""
     bare = model.kinds.shaping is None and not swings(model, data)
     return bare and rise_without(WHITE, model, data) < PRICE
+
+
+def _is_one_pole(model: Model, data: Data) -> bool:
+    """Whether correlated noise is most of all up to the Nyquist frequency, and no white is seen.
+
+    No sensor is without white noise, and behind one pole it is just such noise.
+    """
+    last = np.flatnonzero(data.bins.used)[-1]
+    noise = effects_density(model.theta, model.kinds, data)[-1, last]
+    part = float(noise / mean_density(model, data)[last])
+    return part > _MOST and rise_without(WHITE, model, data) < PRICE
 
 
 def _is_hump(name: str, model: Model, data: Data) -> bool:
