@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scipy.signal import butter, lfilter
+from scipy.signal import butter, iirnotch, lfilter
 
 import allanfit
 from allanfit.explain import explain_recording
@@ -92,6 +92,35 @@ def test_a_high_pass_filter_is_known_by_what_it_leaves(tmp_path, noise):
     assert "as behind a high-pass filter of order" in effect["sentence"]
     assert effect["parameters"]["frequency"]["value"] == pytest.approx(0.5, rel=0.2)
     assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.03)
+
+
+@pytest.mark.parametrize(("frequency", "quality"), [(12.0, 30.0), (8.0, 2.0)])
+def test_a_notch_is_known_whatever_its_width(tmp_path, noise, frequency, quality):
+    """It was a steep filter with a resonance beyond, and N 8 % low; now N is within 3 %."""
+    channel = explained(tmp_path, lfilter(*iirnotch(frequency, quality, fs=RATE), noise))
+    assert channel["verdict"] == "unexplained"
+    (effect,) = channel["effects"]
+    assert "a notch at" in effect["sentence"]
+    parameters = {name: each["value"] for name, each in effect["parameters"].items()}
+    assert parameters["frequency"] == pytest.approx(frequency, rel=0.01)
+    assert 1 / parameters["width"] == pytest.approx(quality, rel=0.15)
+    assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.03)
+
+
+def test_notches_stand_beside_each_other_and_beside_a_filter(tmp_path):
+    """Two notches behind a filter at 15 Hz; beside all three N is within 5 %."""
+    x = 0.005 * RATE**0.5 * np.random.default_rng(9).standard_normal(SAMPLES + 2000)
+    x = lfilter(*butter(2, 15, fs=RATE), x)
+    for frequency in (7.0, 11.0):
+        x = lfilter(*iirnotch(frequency, 10, fs=RATE), x)
+    channel = explained(tmp_path, x[2000:])
+    assert channel["verdict"] == "unexplained"
+    assert [effect["name"] for effect in channel["effects"]] == ["low_pass", "bump", "bump"]
+    cutoff, *notches = [each["parameters"] for each in channel["effects"]]
+    assert cutoff["cutoff_frequency"]["value"] == pytest.approx(15, rel=0.05)
+    found = sorted(each["frequency"]["value"] for each in notches)
+    assert found == pytest.approx([7, 11], rel=0.02)
+    assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.05)
 
 
 def test_somebody_who_leans_on_the_table_is_a_disturbance(tmp_path, noise):

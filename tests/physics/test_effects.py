@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.signal import butter, freqs
+from scipy.signal import butter, freqs, freqz, iirnotch
 from scipy.special import gamma
 
 from allanfit.physics import (
@@ -58,7 +58,7 @@ CONTRACT = {
     "variance_modulation": ["ratio", "intervals", "times", "strengths"],
     "vibration_rectification": ["coefficient"],
     "disturbance": ["intervals"],
-    "bump": ["height", "frequency", "width", "high_pass", "flat"],
+    "bump": ["height", "frequency", "width", "high_pass", "flat", "notch"],
 }
 DT = 0.01
 SAMPLINGS = ("point", "averaged")
@@ -328,6 +328,18 @@ def test_a_bump_is_where_it_is_said_to_be():
     at = 8.0 * np.exp([0.0, 0.4, 40.0])
     expected = np.exp(-1.2 * np.exp([0.0, -0.5, -5000]))
     np.testing.assert_allclose(eqx.filter_jit(bump.gain)(at, DT), expected)
+    assert eqx.filter_jit(bump.gain)(jnp.zeros(1), DT) == 1
+
+
+@pytest.mark.parametrize(("frequency", "quality"), [(8.0, 2.0), (0.3, 30.0), (21.0, 5.0)])
+def test_a_notch_is_that_which_firmware_takes_out(frequency, quality):
+    """Against the digital filter that SciPy designs."""
+    bump = Bump(*map(jnp.asarray, (-40.0, frequency, 1 / quality)), notch=True)
+    at = np.geomspace(0.01, 0.499, 400) / DT
+    numerator, denominator = iirnotch(frequency, quality, fs=1 / DT)
+    expected = np.abs(freqz(numerator, denominator, at, fs=1 / DT)[1]) ** 2
+    gain = np.asarray(eqx.filter_jit(bump.gain)(at, DT))
+    np.testing.assert_allclose(gain, expected, rtol=1e-4, atol=1e-9)
     assert eqx.filter_jit(bump.gain)(jnp.zeros(1), DT) == 1
 
 

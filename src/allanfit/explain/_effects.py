@@ -20,11 +20,13 @@ from .spectrum._structure import (
     FLAT,
     HIGH_PASS,
     NARROW,
+    NOTCH,
     RIPPLED,
     SHAPE,
     TWO_POLES,
     UNNAMED,
     bounds,
+    left_of,
     shape_of,
     sieve,
 )
@@ -35,6 +37,9 @@ from .values._spikes import USUAL
 # So many times of a line are told.
 _MOST_TIMES = 3
 _BAND = "a band of noise {:.3g} times as strong, from {:.3g} to {:.3g} Hz, with steep flanks"
+_NOTCH = "a notch at {:.4g} Hz with a quality factor of {:.3g}, down {} of the power"
+# What is as little is not told from nothing.
+_NOTHING, _FAINT = "to less than a hundredth", 0.01
 _CUT = (
     "noise is missing below {:.3g} Hz, as behind a high-pass filter of order {:.2g}: alternating-"
     "current coupling, or a mean that is estimated and taken off all the time"
@@ -147,11 +152,14 @@ def _structural(state: Investigation, draws: Draws, dt: float, seed: int) -> lis
                 told=told,
             )
         )
+    unnamed = []
     if kinds.shaping in UNNAMED:
-        bump = _unnamed(kinds.shaping, draws.theta[:, SHAPE].T, samples, dt)
-        compared = next((f for f in state.findings if f.name == "bump" and f.rivals), None)
-        own, others = probabilities(compared, "bump")
-        found.append(replace(bump, probability=own, alternatives=others))
+        unnamed.append(_unnamed(kinds.shaping, draws.theta[:, SHAPE].T, samples, dt))
+    for begin in range(kinds.first_notch, kinds.first_slot, EACH):
+        unnamed.append(_notch(draws.theta[:, begin : begin + EACH].T, samples, dt))
+    compared = next((f for f in state.findings if f.name == "bump" and f.rivals), None)
+    own, others = probabilities(compared, "bump")
+    found += [replace(each, probability=own, alternatives=others) for each in unnamed]
     for place, name in enumerate(kinds.added):
         if place in state.disowned_noises:
             continue
@@ -241,6 +249,17 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
             values["flat"] = np.ones(2)
             note = _BAND.format(np.exp(np.median(height)), *band)
     return Effect("bump", SURE, {}, values, {}, band, note)
+
+
+def _notch(three, samples, dt: float) -> Effect:
+    """What is taken out about one frequency."""
+    frequency, width = (np.asarray(each) for each in shape_of(NOTCH, three, samples))
+    middle, breadth = float(np.median(frequency)) / dt, float(np.median(width))
+    height, left = np.log(left_of(three)), float(np.median(left_of(three)))
+    values = {"height": np.asarray(height), "frequency": frequency / dt, "width": width}
+    note = _NOTCH.format(middle, 1 / breadth, _NOTHING if left < _FAINT else f"to {left:.2g}")
+    band = (middle * np.exp(-breadth), min(middle * np.exp(breadth), 0.5 / dt))
+    return Effect("bump", SURE, {}, {**values, "notch": np.ones(2)}, {}, band, note)
 
 
 def _described(kind: LowPass, told: dict[str, float]) -> str:

@@ -181,6 +181,10 @@ def _investigated(
     name_fine_codes(state)
     look_again(state, seed)
     _leftover(state)
+    if state.model.kinds.notches:
+        # What is beside it was named for what it does, or hidden.
+        _take_all(state, drivers)
+        _reconsider(state)
     _reconsider_lines(state)
     state.nearest = min([state.nearest, *(finding.log_p for finding in state.findings)])
     return state
@@ -395,6 +399,9 @@ def _leftover(state: Investigation) -> None:
 
 def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
     """Whether a bump is about a line or a resonance of the model."""
-    middle, _ = _model.shaping_shape(bump.model, state.data)
+    if bump.model.kinds.notches > state.model.kinds.notches:
+        middle, _ = _model.notches(bump.model, state.data)[-1]
+    else:
+        middle, _ = _model.shaping_shape(bump.model, state.data)
     peaks = narrow_noises(state.model, float(state.data.samples))
     return any(abs(middle - one.middle) < _PEAK * one.width for one in peaks)

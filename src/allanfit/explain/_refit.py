@@ -74,13 +74,16 @@ def rebin(state: Investigation) -> None:
 
 
 def finer_edges(state: Investigation) -> None:
-    """Bins that are fine about peaks, and about the zeros of a filter."""
+    """Bins that are fine about peaks and notches, and about the zeros of a filter."""
     pairs = [(peak.frequency, peak.half_width) for peak in state.peaks]
     if state.model.kinds.shaping in MEANS:
         four = state.model.theta[SHAPE]
         taps = float(sieve(state.model.kinds.shaping, four, state.data.samples).taps(1.0))
         for zero in np.arange(1, taps / 2 + 0.1) / taps:
             pairs.append((zero, min(zero * _NEAR_ZERO, _NEAR_ZERO * 10 / taps)))
+    pairs += [
+        (middle, middle * width / 2) for middle, width in _model.notches(state.model, state.data)
+    ]
     state.edges = bin_edges(state.spectrum.longest, tuple(pairs))
     rebin(state)
 

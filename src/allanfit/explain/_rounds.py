@@ -6,12 +6,15 @@ import numpy as np
 from scipy.special import factorial, gammaln
 from scipy.stats import poisson
 
+from ._chance import log_chance
 from ._options import OF_FILTERS, Option, smooth_option, smooth_options
 from ._refit import go_back, remembered
-from ._state import Investigation
+from ._state import Finding, Investigation
 from .courses._options import course_options
 from .lines._taken import BAND, LINE, line_options
 from .spectrum import _search
+from .spectrum._leakage import take_bump
+from .spectrum._model import notches
 from .spectrum._narrow import narrow_groups
 from .spectrum._structure import NARROW
 
@@ -23,6 +26,10 @@ LEEWAY = 3.0
 _SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
 # Steps that are no chance together: so many, each with such a chance.
 _MOST_STEPS, _STEP_HINT = 4, float(np.log(0.3))
+# A notch that gains so many times as much as all else is no part of something else.
+_FAR_AHEAD = 2.0
+# And of a wider one other shapes have to be asked, once all else is known.
+_WIDEST = 0.7
 
 
 def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
@@ -33,6 +40,8 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
         return True
     found = _finite(lines + smooth_options(state) + courses)
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
+    if _take_notch(state, found):
+        return True
     alarms = _alarms(state, found)
     if not alarms:
         return _take_together(state, found) or _take_steps(state, found)
@@ -52,6 +61,27 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
             rivals[option.name] = max(option.score, rivals.get(option.name, -np.inf))
     chosen.take(rivals)
     return True
+
+
+def _take_notch(state: Investigation, found: list[Option]) -> bool:
+    """A notch, if nothing that has a name comes near it; says whether it was taken.
+
+    Filters and noises would be made of what lies to either side.
+    """
+    most = max((option.gain for option in found), default=0.0)
+    for notch in _search.notch(state.model, state.data, most / _FAR_AHEAD):
+        log_p = log_chance("bump", notch.gain)
+        _, width = notches(notch.model, state.data)[-1]
+        if notch.gain < _FAR_AHEAD * most or log_p > np.log(state.alarm) or width > _WIDEST:
+            continue
+        if any(other.gain > notch.gain for other in _search.bumps(state.model, state.data)):
+            # A lack toward zero frequency is none.
+            continue
+        state.nearest = min(state.nearest, log_p)
+        state.findings.append(Finding("bump", log_p, notch.gain))
+        take_bump(state, notch)
+        return True
+    return False
 
 
 def _take_together(state: Investigation, found: list[Option]) -> bool:

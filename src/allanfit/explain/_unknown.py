@@ -25,7 +25,7 @@ from .spectrum._leakage import take_bump
 from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
-from .spectrum._structure import SHAPE, UNNAMED
+from .spectrum._structure import SHAPE, TERMS, UNNAMED, Kinds
 from .spectrum._whiten import within, without_bands
 from .strength._changing import (
     TILE,
@@ -221,32 +221,46 @@ def _corner_moves(
 
 
 def _bump_instead(state: Investigation) -> None:
-    """Whether a smooth bump describes the spectrum better than all that was named in it."""
+    """Whether a smooth bump describes the spectrum better than all that was named in it.
+
+    Or than the filter, with the noises that were found beside it.
+    """
     kinds = state.model.kinds
     if not kinds.names or kinds.shaping in UNNAMED:
         return
     if state.disowned & set(kinds.names) or state.disowned_noises:
         return
-    bare = Model(kinds._replace(shaping=None, added=()), state.model.theta[:4], np.inf)
-    bare = _model.best([(bare.kinds, bare.theta)], state.data)[0]
-    found = _search.bumps(bare, state.data)
+    bares = [Model(Kinds(), state.model.theta[:TERMS], np.inf)]
+    if kinds.filtering and kinds.added:
+        bares.append(_model.without(state.model, 0))
+    bares = _model.best([(each.kinds, each.theta) for each in bares], state.data)
+
+    def worth(model: Model) -> float:
+        """Over the five terms alone, as twice the log of odds."""
+        usual = sum(
+            _model.rarity(model, state.data, place)
+            for place in range(len(model.kinds.added))
+            if place not in state.wandering
+        )
+        costs = sum(score(name, 0.0) for name in model.kinds.names)
+        return bares[0].deviance - model.deviance + costs + usual
+
+    found = [bump for each in bares for bump in _search.bumps(each, state.data)]
     if not found:
         return
-    bump = found[0]
-    named = sum(score(name, 0.0) for name in kinds.names) + bare.deviance - state.model.deviance
-    named += sum(
-        _model.rarity(state.model, state.data, place)
-        for place in range(len(kinds.added))
-        if place not in state.wandering
-    )
-    rival = score("bump", bump.gain) - INSIDE
+    bump = max(found, key=lambda each: worth(each.model))
+    if bump.model.kinds == kinds:
+        return
+    outside = 0.0 if kinds.notches else INSIDE
+    named, rival = worth(state.model), worth(bump.model) - outside
+    instead = set(kinds.names) - set(bump.model.kinds.added)
     for finding in state.findings:
-        if finding.name in kinds.names and finding.rivals:
+        if finding.name in instead and finding.rivals:
             own = finding.rivals.get(finding.name, 0.0)
             finding.rivals["bump"] = own + rival - named
     if rival > named:
         rivals = {kinds.names[0]: named, "bump": rival}
-        state.findings = [f for f in state.findings if f.name not in kinds.names]
+        state.findings = [f for f in state.findings if f.name not in instead]
         state.findings.append(Finding("bump", log_chance("bump", bump.gain), bump.gain, rivals))
         take_bump(state, bump)
 

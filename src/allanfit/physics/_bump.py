@@ -11,6 +11,9 @@ from ._effect import SIGNED, AbstractFilter, Parameter
 from ._filtering import filtered
 from ._term import Sampling
 
+# Frequencies in cycles per sample from which on a notch has a gain.
+_LOWEST = 1e-12
+
 
 class Bump(AbstractFilter):
     """The density times exp(height exp(-ln(f/f_0)^2/(2 width^2))), a Gaussian in ln f.
@@ -24,6 +27,14 @@ class Bump(AbstractFilter):
     A `high_pass` is the lack toward zero frequency that alternating-current coupling leaves, or a
     mean that is estimated and taken off all the time: the density is multiplied by
     1/(1 + (f_0/f)^(1/width)), a Butterworth filter of order 1/(2 width), whatever the height.
+
+    A `notch` is what a digital filter of two poles and two zeros takes out about one frequency: the
+    density is multiplied by 1 - (1 - exp(height))/(1 + x^2), where
+
+        x = (T/T_0 - T_0/T) sin(2 pi f_0 dt)/(2 tan(pi f_0 width dt)),  T = tan(pi f dt),
+
+    by the bilinear transform. Where height is large and negative, half of the power is left at
+    frequencies f_0 width apart, so that the quality factor is 1/width.
     """
 
     height: Float[Array, ""]
@@ -31,6 +42,7 @@ class Bump(AbstractFilter):
     width: Float[Array, ""]
     high_pass: bool = eqx.field(static=True, default=False)
     flat: bool = eqx.field(static=True, default=False)
+    notch: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "bump"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("height", "", range=SIGNED),
@@ -38,6 +50,7 @@ class Bump(AbstractFilter):
         Parameter("width", ""),
         Parameter("high_pass", "", kind="flag"),
         Parameter("flat", "", kind="flag"),
+        Parameter("notch", "", kind="flag"),
     )
     what: ClassVar[str] = "a bump or dip of the noise about one frequency"
     origin: ClassVar[str] = "nothing that the catalogue has a name for"
@@ -48,10 +61,17 @@ class Bump(AbstractFilter):
 
     def passed(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
         """The factor: what is sampled already does not fold."""
+        if self.notch:
+            return 1 + jnp.expm1(self.height) / (1 + self._detuning(frequency, dt) ** 2)
         distance = jnp.log(jnp.maximum(frequency / self.frequency, 1e-18)) / self.width
         if self.high_pass:
             return jax.nn.sigmoid(distance)
         return jnp.exp(self.height * jnp.exp(-(distance ** (8 if self.flat else 2)) / 2))
+
+    def _detuning(self, frequency: Float[Array, "*shape"], dt: float) -> Float[Array, "*shape"]:
+        middle = jnp.pi * self.frequency * dt
+        turn = jnp.tan(jnp.pi * jnp.maximum(frequency * dt, _LOWEST)) / jnp.tan(middle)
+        return (turn - 1 / turn) * jnp.sin(2 * middle) / (2 * jnp.tan(middle * self.width))
 
     def apply(
         self, key: PRNGKeyArray, samples: Float[Array, " samples"], dt: float, sampling: Sampling

@@ -8,7 +8,7 @@ from ..coefficient_units import field_units
 from ..formatting import Reading, duration, percent, printable, reading, significant
 from ..physics import EFFECTS, Bump
 from ._explain_verdict import probability
-from ._explain_words import capitalised, idle_parameters, words
+from ._explain_words import capitalised, idle_parameters, phrase, words
 from ._rows import Row, coefficient_rows
 
 _LISTED = 6  # times or intervals that are told one by one
@@ -137,7 +137,7 @@ def _with_origin(effect: Mapping[str, Any]) -> str:
 def _heading(effect: Mapping[str, Any]) -> str:
     if effect["name"] == "bump" and set(idle_parameters(effect)) == set(effect["parameters"]):
         return "Something that has no name"
-    return capitalised(words(effect["name"]))
+    return capitalised(phrase(effect))
 
 
 def effect_rows(channel: Mapping[str, Any]) -> list[Effect]:

@@ -33,12 +33,13 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
         return "The five-term model agrees with the recording: nothing left out is seen in it."
     if not effects:
         start = "The recording differs from the five-term model, and no effect of the catalogue"
-        shown = (
+        shown = [
             set(each["parameters"]) - set(idle_parameters(each)) for each in channel["effects"]
-        )
+        ]
         if not channel["improvement"] or not any(shown):
             return f"{start} explains how."
-        return f"{start} explains how; a smooth bump stands for it in the better model."
+        shape = "a notch" if all("notch" in each for each in shown) else "a smooth bump"
+        return f"{start} explains how; {shape} stands for it in the better model."
     least = min(effect["probability"] for effect in effects)
     left_out = counted([words(effect["name"]) for effect in effects])
     says = "" if least >= _SURE else "probably " if least >= _LIKELY else "perhaps "

@@ -45,6 +45,13 @@ def words(name: str) -> str:
     return _WORDS.get(name, name.replace("_", " "))
 
 
+def phrase(effect: Mapping[str, Any]) -> str:
+    """An effect as a phrase, as its name says, but for notches, whose shape is no bump."""
+    if "notch" in effect["parameters"]:
+        return "a notch, which has no name"
+    return words(effect["name"])
+
+
 def counted(phrases: Sequence[str]) -> str:
     """Phrases as in a sentence, "a, b and c"; one that comes more than once with its number."""
     counts = Counter(phrases)

@@ -21,6 +21,7 @@ from ._structure import (
     EACH,
     FLOOR,
     MEANS,
+    NOTCH,
     SHAPE,
     SHAPING,
     TERMS,
@@ -28,6 +29,7 @@ from ._structure import (
     Kinds,
     active,
     added_density,
+    notched,
     shaped,
     with_order,
     without_droop,
@@ -50,6 +52,8 @@ def densities_and_slopes(
 ) -> tuple[Float[np.ndarray, "starts bins"], Float[np.ndarray, "starts parameters bins"]]:
     """The expected density for each start, and the derivatives of its logarithm."""
     gains, gain_slopes = _shape(theta, kinds, data, slopes=True)
+    own = gains[2]
+    gains, notch_slopes = _notched(theta, kinds, data, gains, slopes=True)
     bump, power = gains[2], powers(theta[:, :TERMS], data.terms)[..., None]
     noise = _rows(gains, kinds, held) * power
     total = noise.sum(axis=1) + foreign(data) * bump
@@ -69,7 +73,8 @@ def densities_and_slopes(
         behind = filtered + (strong[:, 0] if kinds.angle_filtered else 0.0)
         slow = strong[:, 2] + strong[:, 3] + behind
         slope = folded * (strong[:, 1] * bump)[:, None] + passed * (slow * bump)[:, None]
-        blocks.append(slope + bumped * (total / bump)[:, None])
+        blocks.append(slope + bumped * (total / own)[:, None])
+    blocks += [slope * total[:, None] for slope in notch_slopes]
     return total, np.concatenate([*blocks, *added], axis=1) / total[:, None]
 
 
@@ -105,6 +110,7 @@ def parts(theta: Starts, kinds: Kinds, data: Data, held: Float[np.ndarray, "term
     changes.
     """
     gains, _ = _shape(theta, kinds, data, slopes=False)
+    gains, _ = _notched(theta, kinds, data, gains, slopes=False)
     slots = _slots(theta, kinds)
     added = [
         noise_density(name, slots[:, i], data) * (gains[1] if _passes(name, kinds) else 1.0)
@@ -205,7 +211,7 @@ def _slots(theta: Starts, kinds: Kinds) -> Float[np.ndarray, "starts added three
 def _rows(gains, kinds: Kinds, held) -> Float[np.ndarray, "starts terms bins"]:
     folded, passed, bump = gains
     if kinds.shaping is None:
-        return np.broadcast_to(held, (len(bump), *held.shape))
+        return held * bump[:, None]
     angle = passed if kinds.angle_filtered else np.ones_like(folded)
     return held * np.stack([angle, folded, passed, passed], axis=1) * bump[:, None]
 
@@ -228,6 +234,20 @@ def _shape(theta: Starts, kinds: Kinds, data: Data, *, slopes: bool):
     # The order of one that has ripple is no free parameter.
     derivatives = tuple(each[:, :SHAPING] for each in derivatives)
     return _held(gains, data), _held(derivatives, data)
+
+
+def _notched(theta: Starts, kinds: Kinds, data: Data, gains, *, slopes: bool):
+    """The gains with those of notches in the bump's; derivatives of the logarithm if asked for."""
+    found = []
+    for place in range(kinds.first_notch, kinds.first_slot, EACH):
+        asked = NOTCH, theta[:, place : place + EACH], data.bins.nodes, data.samples
+        if not slopes and len(theta) > TOGETHER:
+            notch = _evaluated(_notch, *asked)
+        else:
+            slope, notch = _evaluated(_notch_slopes, *asked)
+            found.append(slope / notch[:, None])
+        gains = (*gains[:2], gains[2] * notch)
+    return gains, found
 
 
 def _held(gains, data: Data):
@@ -266,6 +286,16 @@ def _density_slopes(sampling, name, three, nodes, samples):
     # Along the log of its scale a density is its own slope.
     own = jnp.where(three[:, :1] > FLOOR, density, 0.0)
     return jnp.concatenate([own[:, None], slopes], axis=1), density
+
+
+@_quick
+def _notch(_name, threes, nodes, samples):
+    return jax.vmap(lambda t: notched(t, nodes, samples))(threes)
+
+
+@_quick
+def _notch_slopes(_name, threes, nodes, samples):
+    return _slopes_beside(lambda t: notched(t, nodes, samples), threes)
 
 
 @_quick

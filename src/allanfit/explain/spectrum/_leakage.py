@@ -59,7 +59,12 @@ def leave_leakage(state: Investigation) -> None:
 
 def take_bump(state: Investigation, bump: Candidate) -> None:
     """The structure with what has no name, without the ordinates that are no noise behind it."""
+    more = bump.model.kinds.notches > state.model.kinds.notches
     state.unexplained, state.model = bump, bump.model
+    if more:
+        # Bins are wider than many a notch, and bands stood out of a level that was too low.
+        state.peaks = []
+        finer_edges(state)
     if state.model.kinds.shaping != HIGH_PASS:
         return
     samples, frequency = state.data.samples, state.spectrum.frequency

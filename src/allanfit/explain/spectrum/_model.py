@@ -6,7 +6,18 @@ import numpy as np
 
 from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
 from ._density import TOGETHER, expected_density
-from ._structure import EACH, SHAPE, TERMS, Data, Kinds, bounds, free, free_filter, shape_of
+from ._structure import (
+    EACH,
+    NOTCH,
+    SHAPE,
+    TERMS,
+    Data,
+    Kinds,
+    bounds,
+    free,
+    free_filter,
+    shape_of,
+)
 
 # Less than this in a step, and another start of the same name is ahead or soon will be; so it is
 # with such a part of what a poor model leaves beyond one a bin.
@@ -82,8 +93,11 @@ def without(model: Model, place: int) -> Model:
         bare = kinds._replace(shaping=None, last=False, floored=False)
         return Model(bare, np.delete(model.theta, SHAPE), model.deviance)
     place -= kinds.shaping is not None
-    begin = kinds.first_slot + EACH * place
+    begin = kinds.first_notch + EACH * place
     kept = np.delete(model.theta, slice(begin, begin + EACH))
+    if place < kinds.notches:
+        return Model(kinds._replace(notches=kinds.notches - 1), kept, model.deviance)
+    place -= kinds.notches
     added = kinds.added[:place] + kinds.added[place + 1 :]
     return Model(kinds._replace(added=added), kept, model.deviance)
 
@@ -94,6 +108,7 @@ def of_samples(model: Model, before: Data, after: Data) -> Model:
     kinds = model.kinds
     places = [kinds.first_slot + EACH * place for place in range(len(kinds.added))]
     begins = list(zip(kinds.added, places, strict=True))
+    begins += [(NOTCH, begin) for begin in range(kinds.first_notch, kinds.first_slot, EACH)]
     if kinds.shaping is not None:
         begins.append((kinds.shaping, TERMS))
     for name, begin in begins:
@@ -108,6 +123,13 @@ def of_samples(model: Model, before: Data, after: Data) -> Model:
 def mean_density(model: Model, data: Data) -> np.ndarray:
     """The expected density of each bin."""
     return expected_density(model.theta, model.kinds, data)
+
+
+def notches(model: Model, data: Data) -> list[tuple[float, float]]:
+    """The frequency and the relative width of each notch."""
+    threes = model.theta[model.kinds.first_notch : model.kinds.first_slot].reshape(-1, EACH)
+    shapes = [shape_of(NOTCH, three, data.samples) for three in threes]
+    return [(float(frequency), float(width)) for frequency, width in shapes]
 
 
 def shaping_shape(model: Model, data: Data) -> tuple[float, float]:

@@ -28,6 +28,7 @@ from ._starts import (
     floored_or_not,
     floored_starts,
     highest,
+    notch_starts,
     other_windows,
     rippled_starts,
     two_pole_starts,
@@ -37,6 +38,7 @@ from ._structure import (
     ADDED,
     FREE_FILTERS,
     MEANS,
+    OF_POLES,
     OVERSAMPLED,
     SHAPE,
     TWO_POLES,
@@ -47,7 +49,7 @@ from ._structure import (
     floor_of,
 )
 
-_MOST_ADDED = 3
+_MOST_ADDED, _MOST_NOTCHES = 3, 3
 # Of many starts of a kind so many go on after so many steps: of 75 recordings none lost what it
 # asked for. A bump begins at more places than any other effect.
 _KEPT, _TRIAL = 4, 9
@@ -123,10 +125,21 @@ def ripple_again(model: Model, data: Data) -> Model:
 
 
 def bumps(model: Model, data: Data) -> list[Candidate]:
-    """A bump, smooth or flat, or a lack toward low frequency, where nothing named helps."""
+    """A bump, smooth or flat, or a lack toward low frequency, where nothing named helps.
+
+    Beside a filter of poles a notch only; of others it would be a zero.
+    """
     if model.kinds.shaping is not None:
+        return notch(model, data)
+    starts = bump_starts(model, data)
+    return _compare(_promising(starts, data, _KEPT_BUMPS), model, data)
+
+
+def notch(model: Model, data: Data, least: float = 0.0) -> list[Candidate]:
+    """A notch, if the lack of power in one place alone has such a deviance."""
+    if model.kinds.notches == _MOST_NOTCHES or model.kinds.shaping not in (None, *OF_POLES):
         return []
-    return _compare(_promising(bump_starts(model, data), data, _KEPT_BUMPS), model, data)
+    return _compare(notch_starts(model, data, least), model, data)
 
 
 def instead(model: Model, place: int, name: str, data: Data) -> Model | None:

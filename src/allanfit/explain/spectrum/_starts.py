@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+from jaxtyping import Float
 
 from ._density import noise_density
 from ._model import Model, mean_density, reshaped, shaping_shape
@@ -14,7 +15,9 @@ from ._structure import (
     FLOOR,
     FREE_FILTERS,
     HIGH_PASS,
+    LEFT,
     MEANS,
+    NOTCH,
     RIPPLE,
     RIPPLED,
     SHAPE,
@@ -45,6 +48,8 @@ _RIPPLES, _ATTENUATIONS = (1e-8, 0.03, 0.6), (40.0, 80.0)
 _OVER_FLOORS, _STEEP_OVER_FLOORS = 0.3, 5.0
 # A floor is read off so many bins.
 _LOWEST_BINS = 8
+# A notch is looked for where neighbours gain so much by being lower; how wide and deep it begins.
+_NOTCHED, _NOTCH_WIDTHS, _LEFT_OVER = 12.0, (0.01, 0.05, 0.25), 0.1
 # To a peak and to poles apart: free droops to begin with.
 _DROOPS = (-1.0, 1.5)
 
@@ -101,16 +106,22 @@ def _shapes(name: str, data: Data, peaks: Peaks) -> list[tuple[float, float]]:
 
 def highest(model: Model, data: Data) -> Peaks:
     """Where the spectrum stands highest above the model: a narrow and a broad band."""
-    ratio = np.where(data.bins.used, data.bins.density / mean_density(model, data), 1.0)
-    shape = np.asarray(data.bins.shape)
-    # Deviance of three neighbours together, where they are above.
-    kernel = np.ones(3)
-    weight = np.convolve(shape, kernel, "same")
-    mean = np.convolve(shape * ratio, kernel, "same") / np.maximum(weight, 1e-9)
-    excess = np.where(mean > 1, weight * (mean - 1 - np.log(np.maximum(mean, 1e-9))), 0.0)
-    at = int(np.argmax(excess))
+    mean, apart = _neighbours(model, data, 3)
+    at = int(np.argmax(np.where(mean > 1, apart, 0.0)))
     frequency = float(data.bins.frequency[at])
     return (frequency, 0.03 * frequency), (frequency, 0.15 * frequency)
+
+
+def _neighbours(
+    model: Model, data: Data, many: int
+) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, " bins"]]:
+    """About each bin the mean of neighbours over the model's, and how much deviance that is."""
+    ratio = np.where(data.bins.used, data.bins.density / mean_density(model, data), 1.0)
+    shape = np.asarray(data.bins.shape)
+    kernel = np.ones(many)
+    weight = np.convolve(shape, kernel, "same")
+    mean = np.convolve(shape * ratio, kernel, "same") / np.maximum(weight, 1e-9)
+    return mean, weight * (mean - 1 - np.log(np.maximum(mean, 1e-9)))
 
 
 def filter_starts(model: Model, data: Data) -> list[Start]:
@@ -258,10 +269,31 @@ def bump_starts(model: Model, data: Data) -> list[Start]:
             limits = bounds(shaping, data.samples)
             three += [free(centre, *limits[0]), free(width, *limits[1])]
             starts.append(("bump", *_shaping_start(shaping, three, model)[1:]))
+    starts += notch_starts(model, data)
     limits = bounds(HIGH_PASS, data.samples)
     for centre, width in itertools.product(np.geomspace(2 * low, high / 4, 8), (0.25, 0.5)):
         three = [0.0, free(centre, *limits[0]), free(width, *limits[1])]
         starts.append(("bump", *_shaping_start(HIGH_PASS, three, model)[1:]))
+    return starts
+
+
+def notch_starts(model: Model, data: Data, least: float = 0.0) -> list[Start]:
+    """A notch where the spectrum lies lowest below the model.
+
+    None where it hardly does, or what it lacks there is no such deviance.
+    """
+    starts, limits, place = [], bounds(NOTCH, data.samples), model.kinds.first_slot
+    kinds = model.kinds._replace(notches=model.kinds.notches + 1)
+    for many in (1, 3, 9):
+        mean, apart = _neighbours(model, data, many)
+        lack = np.where(mean < 1, apart, 0.0)
+        at = int(np.argmax(lack))
+        if lack[at] < max(_NOTCHED, least):
+            continue
+        centre = float(data.bins.frequency[at])
+        for width in _NOTCH_WIDTHS:
+            three = [free(_LEFT_OVER, *LEFT), free(centre, *limits[0]), free(width, *limits[1])]
+            starts.append(("bump", kinds, np.insert(model.theta, place, three)))
     return starts
 
 

@@ -4,7 +4,7 @@ A structure is a choice of effects: at most one that shapes the spectrum, and so
 to it. Everything is for a sampling interval of one: times in samples, frequencies in cycles per
 sample. The expected density is
 
-    bump(f) (H(f) (N + B + K) + Q + foreign + added noises),
+    bump(f) notches(f) (H(f) (N + B + K) + Q + foreign + added noises),
 
 with the filter H in front of the converter, whose angle quantization it does not see; aliases of
 what passes are in it. A part of N may be a floor, which comes in behind the filter. A filter behind
@@ -60,9 +60,13 @@ RIPPLED = tuple(
     for kind in (EQUIRIPPLE, ANALOGUE_EQUIRIPPLE)
     for order in range(2, MOST_POLES + 1)
 )
-#: What has no name: a bump about one frequency, or a lack toward zero.
+#: What has no zeros but at half the rate.
+OF_POLES = (*FREE_FILTERS, RECURSIVE, *DROOPS)
+#: What has no name: a bump about one frequency, a lack toward zero, or a narrow one, of which a
+#: structure may have several beside what else shapes it.
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
+NOTCH = "notch"
 UNNAMED = ("bump", HIGH_PASS, FLAT)
 EQUIRIPPLES = (EQUIRIPPLE, ANALOGUE_EQUIRIPPLE)
 FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED, *EQUIRIPPLES, *RIPPLED)
@@ -71,6 +75,8 @@ NARROW = ("resonance", "drifting_line")
 #: In dB. Inverse Chebyshev filters have none: their corner is far beyond the edge of a pass band
 #: that has next to none.
 RIPPLE = (1e-12, 3.0)
+#: Less is not told from nothing.
+LEFT = (1e-6, 1.0)
 TERMS = 4
 #: Which of them is N.
 WHITE = 1
@@ -89,8 +95,8 @@ _TWO_ENDS = 1.6
 class Kinds(NamedTuple):
     """What a structure holds.
 
-    Its parameters are the log powers of Q, N, B, K, then four numbers of what shapes the spectrum
-    and three of each added noise.
+    Its parameters are the log powers of Q, N, B, K, then four numbers of what shapes the spectrum,
+    three of each notch, and three of each added noise.
     """
 
     #: One of `FILTERS`, of `UNNAMED`, or none.
@@ -101,17 +107,24 @@ class Kinds(NamedTuple):
     last: bool = False
     #: Whether white noise comes in behind the filter.
     floored: bool = False
+    #: How many notches there are.
+    notches: int = 0
+
+    @property
+    def first_notch(self) -> int:
+        """Where the parameters of the first notch begin."""
+        return TERMS + SHAPING * (self.shaping is not None)
 
     @property
     def first_slot(self) -> int:
         """Where the parameters of the first added noise begin."""
-        return TERMS + SHAPING * (self.shaping is not None)
+        return self.first_notch + EACH * self.notches
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All effects by the names of the catalogue, what shapes first."""
+        """All effects by the names of the catalogue, what shapes first, then notches."""
         shapes = () if self.shaping is None else ("low_pass" if self.filtering else "bump",)
-        return shapes + self.added
+        return shapes + ("bump",) * self.notches + self.added
 
     @property
     def filtering(self) -> bool:
@@ -172,6 +185,11 @@ def ripple_of(three: Any) -> Float[Array, "..."]:
 def droop_of(three: Any) -> Float[Array, "..."]:
     """From -3, a high peak, to 1, a single pole; 0 at 0."""
     return 1 - 4 * jax.nn.sigmoid(-three[0] - jnp.log(3))
+
+
+def left_of(three: Any) -> Float[Array, "..."]:
+    """The part of the power that a notch leaves at its middle."""
+    return between(three[0], *LEFT)
 
 
 def floor_of(four: Any) -> Float[Array, "..."]:
@@ -237,6 +255,7 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         "bump": ((2 / samples, 0.5), (0.03, 3.0)),
         # Flanks are seen where they are some bins apart, of which 48 make a decade.
         FLAT: ((2 / samples, 0.5), (0.1, 3.0)),
+        NOTCH: ((2 / samples, 0.499), (0.003, 1.0)),
         HIGH_PASS: ((0.5 / samples, 0.3), (0.05, 0.9)),
     }[without_droop(name)]
 
@@ -292,13 +311,11 @@ def added_density(
         density = PowerLaw(first, one).density(middle, 1.0, sampling)
     else:
         # A peak narrower than a bin cannot fall between nodes: it is as broad as the bin.
-        breadth = (nodes[:, 2] - nodes[:, 0]) / (_NODES[2] - _NODES[0])
+        breadth = _breadth(nodes)
 
         def peak(f, b):
             if name == "resonance":
-                # A sharp choice of the broader: nodes see a peak that is as broad as its bin.
-                quarter = jnp.square(jnp.square(1 / second)) + jnp.square(jnp.square(b / first))
-                broad = 1 / jnp.sqrt(jnp.sqrt(quarter))
+                broad = 1 / _broader(1 / second, b / first)
                 return Resonance(one, first, broad).density(f, 1.0, "point")
             return DriftingLine(one, first, jnp.hypot(first * second, b / 4)).density(
                 f, 1.0, "point"
@@ -308,6 +325,30 @@ def added_density(
         if name == "resonance" and sampling == "averaged":
             density *= jnp.sinc(middle) ** 2
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
+
+
+def _breadth(nodes: Any) -> Any:
+    """Of each bin [cycles per sample]."""
+    return (nodes[:, 2] - nodes[:, 0]) / (_NODES[2] - _NODES[0])
+
+
+def _broader(width: Any, bin_width: Any) -> Any:
+    """A sharp choice of the broader: nodes see a peak that is as broad as its bin."""
+    quarter = jnp.square(jnp.square(width)) + jnp.square(jnp.square(bin_width))
+    return jnp.sqrt(jnp.sqrt(quarter))
+
+
+def notched(three: Any, nodes: Any, samples: Any) -> Float[Array, " bins"]:
+    """The gain of a notch in each bin; one that is narrower than a bin is as shallow there."""
+    nodes, lack = jnp.asarray(nodes), 1 - left_of(three)
+    frequency, width = shape_of(NOTCH, three, samples)
+
+    def at(frequencies, bin_width):
+        broad = _broader(width, bin_width / frequency)
+        shallow = jnp.log1p(-lack * width / broad)
+        return Bump(shallow, frequency, broad, notch=True).gain(frequencies, 1.0)
+
+    return averaged(jax.vmap(at)(nodes, _breadth(nodes)))
 
 
 def shaped(shaping: str | None, four: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
@@ -351,14 +392,14 @@ def end_leakage(frequency: Any, width: Any) -> Any:
 def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
     """Which parameters are not idle."""
     flags = []
-    for name in kinds.names:
-        # Some noises have one number for their shape; a filter has no size.
-        free = [True, True, name not in ("gauss_markov", "power_law")]
-        if name == "low_pass":
-            free = [kinds.shaping in (*DROOPS, *RIPPLED)]
-            free += [kinds.shaping not in MEANS]
-            free += [kinds.shaping not in (*MEANS, *TWO_POLES), kinds.floored]
-        elif name == "bump":
-            free += [False]
-        flags += free
+    if kinds.filtering:
+        # A filter has no size.
+        flags += [kinds.shaping in (*DROOPS, *RIPPLED), kinds.shaping not in MEANS]
+        flags += [kinds.shaping not in (*MEANS, *TWO_POLES), kinds.floored]
+    elif kinds.shaping is not None:
+        flags += [True] * EACH + [False]
+    flags += [True] * (EACH * kinds.notches)
+    for name in kinds.added:
+        # Some noises have one number for their shape.
+        flags += [True, True, name not in ("gauss_markov", "power_law")]
     return np.concatenate([np.asarray(terms), np.asarray(flags, bool)])
