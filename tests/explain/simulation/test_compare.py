@@ -14,6 +14,7 @@ from allanfit.explain._effect import Effect
 from allanfit.explain._mismatch import Located
 from allanfit.explain.simulation._compare import compared
 from allanfit.explain.simulation._document import simulation_document
+from allanfit.explain.simulation._mistaken import as_if
 from allanfit.explain.simulation._references import Reference, references, terms_of
 from allanfit.explain.simulation._same_effect import pairs
 from allanfit.identify import fit_series
@@ -267,23 +268,54 @@ def test_a_line_of_another_size_is_told_with_both_sizes():
 
 
 @pytest.mark.parametrize(
-    ("factor", "word"),
+    ("factor", "kind", "word"),
     [
-        (180 / np.pi, "in deg and not in rad"),
-        (1 / 60, "in 1/sqrt(s) and not in 1/sqrt(h)"),
-        (9.9, "in m/s^2 and not in g"),
-        (50.0, None),
+        (180 / np.pi, "gyro", "in deg and not in rad"),
+        (1 / 60, "gyro", "in 1/sqrt(s) and not in 1/sqrt(h)"),
+        (9.9, "accelerometer", "in m/s^2 and not in g"),
+        (9.7, "gyro", None),
+        (50.0, "gyro", None),
     ],
 )
-def test_a_coefficient_in_another_unit_is_said_to_be(factor, word):
+def test_a_coefficient_in_another_unit_is_said_to_be(factor, kind, word):
     fit = fit_series(np.random.default_rng(31).standard_normal(SAMPLES), RATE)
     values, _ = terms_of(fit)
     wrong = np.array([0.0, factor * values[1], 0.0, 0.0, 0.0])
-    reference = Reference(wrong, np.zeros(5), "deg/s", "gyro", "a.yaml", "gyro_x")
+    reference = Reference(wrong, np.zeros(5), "deg/s", kind, "a.yaml", "gyro_x")
     entry = differences(fit, reference, SAMPLES / RATE)[0]
     assert entry["coefficient"] == "N"
     assert ("as if it were" in entry["sentence"]) == (word is not None)
     assert word is None or word in entry["sentence"]
+
+
+@pytest.mark.parametrize(
+    ("symbol", "ours", "theirs", "words"),
+    [
+        # A simulator that draws N, or the recording's scatter, as the deviation of each sample.
+        ("N", 100.0, 100.0, (None, "samples scattered by N and")),
+        ("N", 100.0, 400.0, ("as the recording's do, at another rate", "scattered by N and")),
+        # And one that adds K, or what one of the recording's samples adds, with each.
+        ("K", 100.0, 100.0, (None, "each sample added K and")),
+        ("K", 50.0, 200.0, ("what one of the recording's does", "each sample added K and")),
+    ],
+)
+def test_what_a_rate_makes_of_a_coefficient_is_told(symbol, ours, theirs, words):
+    """By drawing samples so, and what N and K they have by their definitions."""
+    rng, samples = np.random.default_rng(5), 400_000
+    deviation = ours**0.5 if symbol == "N" else ours**-0.5
+    for drawn, word in zip((deviation, 1.0), words, strict=True):
+        scatter = np.std(drawn * rng.standard_normal(samples))
+        factor = scatter / theirs**0.5 if symbol == "N" else scatter * theirs**0.5
+        said = as_if(symbol, "gyro", float(factor), ours, theirs)
+        assert (said == "") == (word is None)
+        assert word is None or word in said
+
+
+def test_a_factor_that_tells_nothing_is_left_alone():
+    assert as_if("N", "gyro", 1.004, 100.0, 101.0) == ""
+    assert as_if("N", "gyro", 2.0, 100.0, 100.0) == ""
+    assert as_if("B", "gyro", 10.0, 100.0, 100.0) == ""
+    assert "how samples scatter" in as_if("N", "gyro", 10.05, 100.0, 100.0)
 
 
 def test_a_term_that_may_be_none_is_no_fault_of_a_simulation_without_it():

@@ -13,6 +13,7 @@ from .._effect import Effect
 from .._mismatch import Located, Mismatch, meet, span
 from ..spectrum._structure import NARROW
 from ._differences import SIGNIFICANT, Difference, differences, where_it_shows
+from ._mistaken import as_if
 from ._references import Reference
 from ._same_effect import Pair, pairs
 
@@ -27,14 +28,6 @@ _CLEAR = 1e-6
 _UNSEEN, _SEEN = SIGNIFICANT / 5, 0.05
 # A coefficient beside effects that are in doubt is off if it is by such a part.
 _DOUBTFUL_PART = 0.1
-# One of these times as large, within such a part, is a number in another unit.
-_MISTAKEN = {
-    180 / np.pi: ("deg", "rad"),
-    60.0: ("1/sqrt(h)", "1/sqrt(s)"),
-    3600.0: ("1/h", "1/s"),
-    9.80665: ("m/s^2", "g"),
-}
-_ALIKE = 0.03
 # What has no band of its own, or is broad.
 _BROAD = ("gauss_markov", "power_law", "random_telegraph")
 # What happens at times of its own.
@@ -126,11 +119,11 @@ def compared(
             if not cause.named or any(e.name not in reference.undrawn for e in cause.named):
                 bands.append((each, cause))
         else:
-            bands.append((each, _of_size(which, values, error, reference)))
+            bands.append((each, _of_size(which, before, own, reference)))
     joined = _joined(bands)
     named = [id(effect) for _, cause in joined for effect in cause.named]
     entries = [_entry(*band) for band in joined]
-    entries += _ramp(values, error, reference, seconds)
+    entries += _ramp(before, own, reference, seconds)
     blamed = {cause.coefficient for _, cause in bands}
     for which, chance in enumerate(_chances(values, error, reference)):
         if apart[which] and chance < _UNSEEN and SYMBOLS[which] not in blamed:
@@ -169,19 +162,19 @@ def _coefficient_to_blame(
 
 
 def _ramp(
-    terms: Float[np.ndarray, " terms"],
-    deviations: Float[np.ndarray, " terms"],
+    before: Fit,
+    terms: tuple[Float[np.ndarray, " terms"], Float[np.ndarray, " terms"]],
     reference: Reference,
     seconds: float,
 ) -> list[Mismatch]:
     """How the two drift throughout, if they differ in it."""
-    own, theirs = float(terms[_RAMP]), float(reference.coefficients[_RAMP])
-    error = np.hypot(deviations[_RAMP], reference.deviations[_RAMP])
+    own, theirs = float(terms[0][_RAMP]), float(reference.coefficients[_RAMP])
+    error = np.hypot(terms[1][_RAMP], reference.deviations[_RAMP])
     chance = 2 * float(norm.sf(abs(own - theirs), scale=error))
     if chance > SIGNIFICANT:
         return []
     ratio = own / theirs if theirs > 0 else None
-    cause = _of_size(_RAMP, terms, deviations, reference)
+    cause = _of_size(_RAMP, before, terms, reference)
     size = "more than" if ratio is None else f"{ratio:.3g} times as fast as"
     return [
         {
@@ -229,7 +222,7 @@ def _unseen_term(
     larger = own[0][which] > reference.coefficients[which]
     if there.chance > _SEEN or (there.ratio > 1) != larger:
         return []
-    cause = _of_size(which, *own, reference)
+    cause = _of_size(which, before, own, reference)
     where = span(there.low, there.high)
     return [
         {
@@ -247,29 +240,21 @@ def _unseen_term(
 
 def _of_size(
     which: int,
-    terms: Float[np.ndarray, " terms"],
-    deviations: Float[np.ndarray, " terms"],
+    before: Fit,
+    terms: tuple[Float[np.ndarray, " terms"], Float[np.ndarray, " terms"]],
     reference: Reference,
 ) -> _Cause:
     """Of a coefficient, by its size in the recording and in the simulation."""
-    symbol, own, theirs = SYMBOLS[which], terms[which], reference.coefficients[which]
+    symbol, own, theirs = SYMBOLS[which], float(terms[0][which]), reference.coefficients[which]
     if theirs == 0:
         return _Cause(f"it has no {symbol}", symbol)
     way = "small" if own > theirs else "large"
     # A term that the recording does not show has no size to compare with.
-    shown = own > _APART * deviations[which]
-    factor = f", {theirs / own:.3g} times the recording's{_as_if_in(theirs / own)}" if shown else ""
-    return _Cause(f"its {symbol} is too {way}{factor}", symbol)
-
-
-def _as_if_in(factor: float) -> str:
-    """What unit a coefficient of the simulation seems to be in by mistake, if any."""
-    for size, (unit, due) in _MISTAKEN.items():
-        if abs(np.log(factor / size)) < _ALIKE:
-            return f", as if it were in {unit} and not in {due}"
-        if abs(np.log(factor * size)) < _ALIKE:
-            return f", as if it were in {due} and not in {unit}"
-    return ""
+    if own <= _APART * terms[1][which]:
+        return _Cause(f"its {symbol} is too {way}", symbol)
+    factor, rate_hz = float(theirs) / own, float(before.rate_hz)
+    mistake = as_if(symbol, reference.kind, factor, rate_hz, reference.rate_hz or rate_hz)
+    return _Cause(f"its {symbol} is too {way}, {factor:.3g} times the recording's{mistake}", symbol)
 
 
 def _of_physics(one: Difference, effects: _Effects) -> _Cause:

@@ -48,6 +48,11 @@ class Reference:
     #: Effects that its file names and that no drawn recording shows as the real one does.
     undrawn: tuple[str, ...] = ()
 
+    @property
+    def rate_hz(self) -> float | None:
+        """The rate of a simulated recording; coefficients have none."""
+        return None if self.simulated is None else self.simulated[1].rate_hz
+
 
 def references(
     simulation: Path | str | Recording | None, recording: Recording, sampling: Sampling
