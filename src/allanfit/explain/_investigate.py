@@ -16,6 +16,7 @@ from jaxtyping import Float
 from ..curves import unit_scale
 from ..physics import Sampling
 from ..recording._checks import usable
+from ._bumps import bump_beside
 from ._chance import log_chance
 from ._intervals import cut_out, joined
 from ._refit import (
@@ -45,8 +46,7 @@ from .lines._lines import line_log_chance
 from .lines._lost import lost_on_the_way
 from .lines._rang_once import rang_once
 from .lines._taken import LINE_ALARM, take_strong_lines
-from .spectrum import _model, _search
-from .spectrum._leakage import take_bump
+from .spectrum import _model
 from .spectrum._narrow import narrow_noises
 from .strength._knocks import moved_while_loud
 from .strength._lasting import about_spread, loudness, seen_beside_lines
@@ -68,7 +68,7 @@ _FEWEST_SWITCHES = 2
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
 _FREE = 0.5
-# A bump within such a part of a peak's width is about it.
+# Within so many widths of a peak a line is of it.
 _PEAK = 3.0
 
 
@@ -180,7 +180,7 @@ def _investigated(
     _reconsider(state)
     name_fine_codes(state)
     look_again(state, seed)
-    _leftover(state)
+    bump_beside(state)
     if state.model.kinds.notches:
         # What is beside it was named for what it does, or hidden.
         _take_all(state, drivers)
@@ -384,24 +384,3 @@ def _drop_unless(
     drop_courses(state, [course])
     if stands(*evidence(state, course)):
         go_back(state, kept)
-
-
-def _leftover(state: Investigation) -> None:
-    """What nothing of the catalogue explains, as a smooth bump."""
-    found = _search.bumps(state.model, state.data) if state.unexplained is None else []
-    if found and _of_a_peak(state, found[0]):
-        # That a peak has not quite its shape is no cause of its own.
-        return
-    if found and log_chance("bump", found[0].gain) < np.log(state.alarm):
-        state.nearest = min(state.nearest, log_chance("bump", found[0].gain))
-        take_bump(state, found[0])
-
-
-def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
-    """Whether a bump is about a line or a resonance of the model."""
-    if bump.model.kinds.notches > state.model.kinds.notches:
-        middle, _ = _model.notches(bump.model, state.data)[-1]
-    else:
-        middle, _ = _model.shaping_shape(bump.model, state.data)
-    peaks = narrow_noises(state.model, float(state.data.samples))
-    return any(abs(middle - one.middle) < _PEAK * one.width for one in peaks)

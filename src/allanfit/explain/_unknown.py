@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ._chance import INSIDE, log_chance, score
+from ._bumps import bump_for_filter, bump_instead
 from ._intervals import runs
 from ._state import Finding, Investigation, Unknown, whitened_piece
 from .courses._pulses import tell_pulses
@@ -19,13 +19,11 @@ from .lines._comb import strongest_comb
 from .lines._harmonics import Line, families
 from .lines._line_or_resonance import tell_apart
 from .lines._waveform import waveform
-from .spectrum import _model, _search
+from .spectrum import _model
 from .spectrum._density import filter_slopes
-from .spectrum._leakage import take_bump
-from .spectrum._model import Model
 from .spectrum._narrow import narrow_groups, narrow_noises
 from .spectrum._ordinates import points
-from .spectrum._structure import SHAPE, TERMS, UNNAMED, Kinds
+from .spectrum._structure import SHAPE
 from .spectrum._whiten import within, without_bands
 from .strength._changing import (
     TILE,
@@ -75,7 +73,7 @@ def look_again(state: Investigation, seed: int) -> None:
         _other_spectrum(state, broad)
     if "variance_modulation" not in state.disowned:
         count_out_filtered(state)
-    _bump_instead(state)
+    bump_instead(state)
 
 
 def _only_courses_were_loud(state: Investigation) -> None:
@@ -129,23 +127,7 @@ def _other_spectrum(state: Investigation, white: Float[np.ndarray, " samples"]) 
         state.findings.append(Finding("bump", log_p, 0.0))
     why = "the shape of the spectrum changes in time, and not only its level"
     state.unknown.append(Unknown(frequency, 0.5, why, in_time=True))
-    _bump_for_filter(state)
-
-
-def _bump_for_filter(state: Investigation) -> None:
-    """A bump in place of a filter that is none, if it says as much: N and Q would be others."""
-    if "low_pass" not in state.disowned or not state.model.kinds.filtering:
-        return
-    bare = _model.without(state.model, 0)
-    bare = _model.best([(bare.kinds, bare.theta)], state.data)[0]
-    found = _search.bumps(bare, state.data)
-    if not found or found[0].model.deviance > state.model.deviance:
-        return
-    state.findings = [each for each in state.findings if each.name != "low_pass"]
-    if state.finding("bump") is None:
-        gain = found[0].gain
-        state.findings.append(Finding("bump", log_chance("bump", gain), gain))
-    take_bump(state, found[0])
+    bump_for_filter(state)
 
 
 def _vibration(state: Investigation) -> None:
@@ -218,51 +200,6 @@ def _corner_moves(
     if log_p > np.log(_CORNER) or gain < _CORNER_SHARE * named.gain:
         return None
     return min(_corner(state), 0.5), log_p
-
-
-def _bump_instead(state: Investigation) -> None:
-    """Whether a smooth bump describes the spectrum better than all that was named in it.
-
-    Or than the filter, with the noises that were found beside it.
-    """
-    kinds = state.model.kinds
-    if not kinds.names or kinds.shaping in UNNAMED:
-        return
-    if state.disowned & set(kinds.names) or state.disowned_noises:
-        return
-    bares = [Model(Kinds(), state.model.theta[:TERMS], np.inf)]
-    if kinds.filtering and kinds.added:
-        bares.append(_model.without(state.model, 0))
-    bares = _model.best([(each.kinds, each.theta) for each in bares], state.data)
-
-    def worth(model: Model) -> float:
-        """Over the five terms alone, as twice the log of odds."""
-        usual = sum(
-            _model.rarity(model, state.data, place)
-            for place in range(len(model.kinds.added))
-            if place not in state.wandering
-        )
-        costs = sum(score(name, 0.0) for name in model.kinds.names)
-        return bares[0].deviance - model.deviance + costs + usual
-
-    found = [bump for each in bares for bump in _search.bumps(each, state.data)]
-    if not found:
-        return
-    bump = max(found, key=lambda each: worth(each.model))
-    if bump.model.kinds == kinds:
-        return
-    outside = 0.0 if kinds.notches else INSIDE
-    named, rival = worth(state.model), worth(bump.model) - outside
-    instead = set(kinds.names) - set(bump.model.kinds.added)
-    for finding in state.findings:
-        if finding.name in instead and finding.rivals:
-            own = finding.rivals.get(finding.name, 0.0)
-            finding.rivals["bump"] = own + rival - named
-    if rival > named:
-        rivals = {kinds.names[0]: named, "bump": rival}
-        state.findings = [f for f in state.findings if f.name not in instead]
-        state.findings.append(Finding("bump", log_chance("bump", bump.gain), bump.gain, rivals))
-        take_bump(state, bump)
 
 
 def _repeated(

@@ -14,9 +14,10 @@ from jaxtyping import Float, Int
 from scipy.signal import lfilter
 
 from ..spectrum._climb import log_scatter
+from ..spectrum._in_bins import shaped
 from ..spectrum._model import Model, mean_density, rescaled
 from ..spectrum._ordinates import Ordinates, amplitudes, points
-from ..spectrum._structure import HIGH_PASS, SHAPE, Data, shaped
+from ..spectrum._structure import HIGH_PASS, SHAPE, Data
 from ._sums import Moved, Products, Summing
 
 _ROUNDS = 3

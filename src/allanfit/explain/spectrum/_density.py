@@ -16,6 +16,7 @@ from jaxtyping import Float
 
 from ...compilation import quick_to_compile
 from ._holding import changing, foreign, held_rows, late_part
+from ._in_bins import added_density, notched, shaped
 from ._ordinates import points
 from ._structure import (
     EACH,
@@ -28,9 +29,6 @@ from ._structure import (
     Data,
     Kinds,
     active,
-    added_density,
-    notched,
-    shaped,
     with_order,
     without_droop,
 )

@@ -6,6 +6,7 @@ from jaxtyping import Float
 from .._intervals import runs
 from .._refit import finer_edges
 from .._state import Investigation
+from ._in_bins import end_leakage, shaped
 from ._ordinates import LEAKAGE_GRID, LEAST, leakage, less_bands, points
 from ._search import Candidate
 from ._structure import (
@@ -13,9 +14,7 @@ from ._structure import (
     MEANS,
     SHAPE,
     WINDOWED,
-    end_leakage,
     shape_of,
-    shaped,
 )
 
 # Part of the noise below which the shape of a steep edge is not known.
