@@ -17,7 +17,7 @@ _PEAK = 3.0
 def bump_instead(state: Investigation) -> None:
     """Whether a smooth bump describes the spectrum better than all that was named in it.
 
-    Or than the filter, with the noises that were found beside it.
+    Or a notch than the filter, with the noises that were found beside it.
     """
     kinds = state.model.kinds
     if not kinds.names or kinds.shaping in UNNAMED:
@@ -39,7 +39,10 @@ def bump_instead(state: Investigation) -> None:
         costs = sum(score(name, 0.0) for name in model.kinds.names)
         return bares[0].deviance - model.deviance + costs + usual
 
-    found = [bump for each in bares for bump in _search.bumps(each, state.data)]
+    found = _search.bumps(bares[0], state.data)
+    for bare in bares[1:]:
+        beside = _search.bumps(bare, state.data)
+        found += [bump for bump in beside if _model.is_narrow_notch(bump.model, state.data)]
     if not found:
         return
     bump = max(found, key=lambda each: worth(each.model))

@@ -337,6 +337,8 @@ def _reconsider(state: Investigation) -> None:
             gone = state.findings_of(names)[place]
             state.findings = [each for each in state.findings if each is not gone]
             state.model = less
+            if names[place] == "bump":
+                state.unexplained = None
         else:
             place += 1
     if state.sized is not None:

@@ -14,7 +14,7 @@ from .courses._options import course_options
 from .lines._taken import BAND, LINE, line_options
 from .spectrum import _search
 from .spectrum._leakage import take_bump
-from .spectrum._model import notches
+from .spectrum._model import is_narrow_notch
 from .spectrum._narrow import narrow_groups
 from .spectrum._structure import NARROW
 
@@ -28,8 +28,6 @@ _SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
 _MOST_STEPS, _STEP_HINT = 4, float(np.log(0.3))
 # A notch that gains so many times as much as all else is no part of something else.
 _FAR_AHEAD = 2.0
-# And of a wider one other shapes have to be asked, once all else is known.
-_WIDEST = 0.7
 
 
 def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
@@ -71,8 +69,9 @@ def _take_notch(state: Investigation, found: list[Option]) -> bool:
     most = max((option.gain for option in found), default=0.0)
     for notch in _search.notch(state.model, state.data, most / _FAR_AHEAD):
         log_p = log_chance("bump", notch.gain)
-        _, width = notches(notch.model, state.data)[-1]
-        if notch.gain < _FAR_AHEAD * most or log_p > np.log(state.alarm) or width > _WIDEST:
+        if notch.gain < _FAR_AHEAD * most or log_p > np.log(state.alarm):
+            continue
+        if not is_narrow_notch(notch.model, state.data):
             continue
         if any(other.gain > notch.gain for other in _search.bumps(state.model, state.data)):
             # A lack toward zero frequency is none.

@@ -7,6 +7,7 @@ from .._intervals import runs
 from .._refit import finer_edges
 from .._state import Investigation
 from ._in_bins import end_leakage, shaped
+from ._narrow import narrow_noises
 from ._ordinates import LEAKAGE_GRID, LEAST, leakage, less_bands, points
 from ._search import Candidate
 from ._structure import (
@@ -61,8 +62,14 @@ def take_bump(state: Investigation, bump: Candidate) -> None:
     more = bump.model.kinds.notches > state.model.kinds.notches
     state.unexplained, state.model = bump, bump.model
     if more:
-        # Bins are wider than many a notch, and bands stood out of a level that was too low.
-        state.peaks = []
+        # Bins are wider than many a notch. And bands stood out of a level that was too low, but for
+        # those that the model holds.
+        narrow = narrow_noises(state.model, float(state.data.samples))
+        state.peaks = [
+            peak
+            for peak in state.peaks
+            if any(abs(peak.frequency - n.middle) < peak.half_width + n.width for n in narrow)
+        ]
         finer_edges(state)
     if state.model.kinds.shaping != HIGH_PASS:
         return

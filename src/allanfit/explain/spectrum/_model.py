@@ -29,6 +29,8 @@ _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
 _RARER = 1.5
 #: With less quality a resonance hardly swings, which is rare as well.
 SWINGS = 1.5
+# The relative width from which on a notch is none.
+_WIDEST = 0.7
 # And the correlation time in samples from which on it is usual.
 _SHORTEST = 2.0
 
@@ -130,6 +132,11 @@ def notches(model: Model, data: Data) -> list[tuple[float, float]]:
     threes = model.theta[model.kinds.first_notch : model.kinds.first_slot].reshape(-1, EACH)
     shapes = [shape_of(NOTCH, three, data.samples) for three in threes]
     return [(float(frequency), float(width)) for frequency, width in shapes]
+
+
+def is_narrow_notch(model: Model, data: Data) -> bool:
+    """Whether there are notches, and the last is narrow; of a wide one any shape may be as good."""
+    return model.kinds.notches > 0 and notches(model, data)[-1][1] < _WIDEST
 
 
 def shaping_shape(model: Model, data: Data) -> tuple[float, float]:
