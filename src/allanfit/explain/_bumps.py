@@ -7,11 +7,8 @@ from ._state import Finding, Investigation
 from .spectrum import _model, _search
 from .spectrum._leakage import take_bump
 from .spectrum._model import Model
-from .spectrum._narrow import narrow_noises
+from .spectrum._narrow import is_about, narrow_noises
 from .spectrum._structure import TERMS, UNNAMED, Kinds
-
-# Within so many widths of a peak a bump is about it.
-_PEAK = 3.0
 
 
 def bump_instead(state: Investigation) -> None:
@@ -95,5 +92,4 @@ def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
         middle, _ = _model.notches(bump.model, state.data)[-1]
     else:
         middle, _ = _model.shaping_shape(bump.model, state.data)
-    peaks = narrow_noises(state.model, float(state.data.samples))
-    return any(abs(middle - one.middle) < _PEAK * one.width for one in peaks)
+    return is_about(middle, narrow_noises(state.model, float(state.data.samples)))

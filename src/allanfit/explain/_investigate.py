@@ -47,7 +47,7 @@ from .lines._lost import lost_on_the_way
 from .lines._rang_once import rang_once
 from .lines._taken import LINE_ALARM, take_strong_lines
 from .spectrum import _model
-from .spectrum._narrow import narrow_noises
+from .spectrum._narrow import is_about, narrow_noises
 from .strength._knocks import moved_while_loud
 from .strength._lasting import about_spread, loudness, seen_beside_lines
 from .values._clock import fresh_values
@@ -68,8 +68,6 @@ _FEWEST_SWITCHES = 2
 _KEPT = ("disturbance", "sample_hold", "saturation", "dropped_samples", "outliers")
 # Of a record that stands at its rails for long, the least part beside that is looked into.
 _FREE = 0.5
-# Within so many widths of a peak a line is of it.
-_PEAK = 3.0
 
 
 def investigate(
@@ -365,7 +363,7 @@ def _reconsider_lines(state: Investigation) -> None:
     peaks = narrow_noises(state.model, float(state.data.samples))
     for line in state.lines:
         frequency = line.shape["frequency"]
-        inside = any(abs(frequency - one.middle) < _PEAK * one.width for one in peaks)
+        inside = is_about(frequency, peaks)
         if state.unexplained is None and not inside:
             continue
         _drop_unless(

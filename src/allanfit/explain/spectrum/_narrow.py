@@ -18,6 +18,8 @@ from ._structure import EACH, NARROW, shape_of
 
 # Bins within a width to either side of a peak that show its shape.
 _RESOLVED = 6
+# What is within so many widths of a peak is about it.
+_ABOUT = 3.0
 # Beside the strongest peak there is such a part of its density at least.
 _LEAST = 1e-12
 # A band's share of the power is told at so many frequencies.
@@ -46,6 +48,11 @@ def narrow_noises(model: Model, samples: float) -> list[Narrow]:
             width = first * second if name == "drifting_line" else first / second
             found.append(Narrow(name, place, three, first, width))
     return found
+
+
+def is_about(frequency: float, peaks: list[Narrow]) -> bool:
+    """Whether a frequency is within a few widths of a line or a resonance."""
+    return any(abs(frequency - one.middle) < _ABOUT * one.width for one in peaks)
 
 
 def narrow_groups(state: Investigation) -> list[list[Narrow]]:
