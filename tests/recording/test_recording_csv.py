@@ -199,6 +199,36 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
 
 
 @pytest.mark.parametrize(
+    ("file", "step", "found"),
+    [
+        ("clock.csv", "0.01", True),
+        ("clock.txt", "0.01", True),
+        ("clock.csv", "10", True),  # in ms
+        ("thirds.csv", "0.0033333", True),
+        ("counter.csv", "1", False),
+        ("alone.csv", None, False),
+    ],
+)
+def test_a_first_column_without_a_name_that_rises_evenly_is_a_clock(
+    file, step, found, write, noise
+):
+    mark = "," if file.endswith(".csv") else " "
+    rows = zip(lines(noise, mark).splitlines(), range(len(noise)), strict=True)
+    before = (lambda _: "") if step is None else lambda k: f"{k * float(step):.6g}{mark}"
+    path = write(file, "".join(f"{before(k)}{row}\n" for row, k in rows))
+    if not found:
+        with pytest.raises(RecordingError, match="tells no sampling rate"):
+            load(path)
+        return
+    recording = load(path, unit="deg/s")
+    assert recording.rate_hz == pytest.approx(100 if float(step) != 0.0033333 else 300, rel=1e-4)
+    assert [each.name for each in recording.channels] == ["channel_2", "channel_3", "channel_4"]
+    told = "The first column has no name and rises evenly: it is taken for time stamps."
+    assert told in recording.findings
+    assert told in read_in_blocks(path, unit="deg/s").findings
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "bad.csv is empty"),

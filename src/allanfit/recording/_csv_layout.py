@@ -5,8 +5,10 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 
+import numpy as np
+
 from ._csv_digits import check_blanks, check_digits, has_decimal_comma, is_grouped, is_number
-from ._csv_header import named, read_header
+from ._csv_header import Header, named, read_header
 from ._recording import RecordingError
 from ._text_clock import is_clock, is_date
 
@@ -16,6 +18,9 @@ _COMMENT = ("#", "%")
 HEAD = 65_536
 # As many lines tell how the table is laid out, and titles above it take fewer.
 _TELLING = 100
+# In so many lines and more noise does not rise from each to the next, by steps that differ by less
+# than such a part of the mean one, or by less than two roundings.
+_RISING, _EVEN = 20, 1e-3
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,12 @@ def find_layout(file: str, text: bytes) -> Layout:
                 f"{file}, line {first + 1}: {lines[first]!r:.60} mixes numbers and text: give the "
                 "file a header line."
             )
+        if not commented and _begins_with_clock(rows[start:][:_TELLING], comma):
+            header = Header(
+                ["time", *header.names[1:]],
+                header.units,
+                ("The first column has no name and rises evenly: it is taken for time stamps.",),
+            )
     offset = 0
     for _ in range(first):
         offset = text.index(b"\n", offset) + 1
@@ -127,6 +138,21 @@ def _start(file: str, rows: list[list[str]], comma: bool) -> int | None:
             "and they are no titles alone: remove them or begin them with #."
         )
     return start
+
+
+def _begins_with_clock(rows: list[list[str]], comma: bool) -> bool:
+    """Whether the first of several columns counts time; in steps of one it may count samples."""
+    stamps = [row[0].replace(",", ".") if comma else row[0] for row in rows]
+    if (
+        len(rows) < _RISING
+        or len(rows[0]) < 2
+        or not all(is_number(each, False) for each in stamps)
+    ):
+        return False
+    digits = max(len(each.partition(".")[2]) for each in stamps)
+    steps = np.diff(np.array(stamps, float))
+    uneven = max(_EVEN * float(steps.mean()), 2.1 * 10.0**-digits)
+    return bool(steps.min() > 0 and np.ptp(steps) < uneven and np.any(steps != 1))
 
 
 def _separator(line: str) -> str:

@@ -4,12 +4,12 @@ import re
 
 # Not `degs`, `rads` and `m_s_2`: plurals of angles, and the second of several velocities.
 _SURE = (
-    ("deg/s", r"dps|degps|deg_(?:per_)?s(?:ec)?"),
-    ("deg/h", r"dph|deg_(?:per_)?h(?:r|our)?"),
-    ("mdps", r"mdps"),
-    ("rad/s", r"radps|rad_(?:per_)?s(?:ec)?"),
-    ("mrad/s", r"mradps|mrad_(?:per_)?s(?:ec)?"),
-    ("m/s^2", r"mps2|m_?(?:per_)?s(?:2|\^2|_squared)"),
+    ("deg/s", r"dps|degps|(?:deg|°)(?:_(?:per_)?|/)s(?:ec)?"),
+    ("deg/h", r"dph|(?:deg|°)(?:_(?:per_)?|/)h(?:r|our)?"),
+    ("mdps", r"mdps|mdeg/s(?:ec)?"),
+    ("rad/s", r"radps|rad(?:_(?:per_)?|/)s(?:ec)?"),
+    ("mrad/s", r"mradps|mrad(?:_(?:per_)?|/)s(?:ec)?"),
+    ("m/s^2", r"mps2|m_?(?:per_)?s(?:2|\^2|_squared)|m/s(?:\^?2|²|/s)"),
     ("degC", r"deg_?C|celsius"),
     ("counts", r"counts|cts|lsb"),
 )
