@@ -1,6 +1,7 @@
 """From a recording to its explanation, on records drawn here by recipes of their own."""
 
 import json
+import re
 from dataclasses import replace
 
 import equinox as eqx
@@ -135,8 +136,16 @@ def test_a_filter_in_the_processor_is_named_and_simulated(tmp_path):
     passed = np.asarray(lfilter(*butter(2, 15.0, fs=RATE), noise(32)))
     recording = allanfit.load(written(tmp_path, passed + 1e-9 * rng.standard_normal(SAMPLES)))
     found = explain_recording(recording, posterior=False)
-    (effect,) = found.to_dict()["channels"][0]["effects"]
+    channel = found.to_dict()["channels"][0]
+    (effect,), (place,) = channel["effects"], channel["mismatch"]
     assert effect["name"] == "low_pass"
+    # White noise that is too little below the corner makes up for what is too much above.
+    number = r"([0-9.e-]+)"
+    told = re.search(rf"{number} times \(at {number} Hz\) and {number} times", place["sentence"])
+    assert told is not None
+    below, where, above = map(float, told.groups())
+    assert below > 1 > above
+    assert where < 15.0
     parameters = effect["parameters"]
     assert parameters["digital"]["value"] == 1
     for name, truth in (("cutoff_frequency", 15.0), ("order", 2.0)):

@@ -190,6 +190,20 @@ def test_a_great_gain_is_counted_no_further(explanation):
     assert "over 100 standard errors" in " ".join(format_explanation(explanation).split())
 
 
+@pytest.mark.parametrize("error", [21.0, 1e-6, None])
+@pytest.mark.parametrize("difference", [0.004, -0.004])
+def test_no_gain_is_not_counted(difference, error, explanation):
+    channel = explanation["channels"][0]
+    channel["improvement"]["held_out_log_score"] |= {
+        "difference": difference,
+        "standard_error": error,
+    }
+    text = told(explanation, 0)
+    assert "after: as good as before" in text
+    assert "worse" not in text
+    assert "better by" not in text
+
+
 def test_lines_are_short(explanation):
     lines = format_explanation(explanation).splitlines()
     assert max(map(len, lines)) <= 100

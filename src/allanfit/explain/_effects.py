@@ -281,7 +281,8 @@ def _shape(kind: LowPass) -> str:
         return ""
     often = f", {order} times over" if order > 1 else ""
     if kind.oversampled:
-        return f"means over {float(kind.taps(1.0)):.2g} of its samples{often}, as sigma-delta takes"
+        taps = float(kind.taps(1.0))
+        return f"means over {taps:.2g} sampling intervals{often}, as sigma-delta converters take"
     return f"a running mean of {float(kind.taps(1.0)):.0f} samples{often}"
 
 

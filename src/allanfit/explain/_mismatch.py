@@ -34,8 +34,9 @@ _FOUND_AS = {
 }
 # So many intervals are told each.
 _MOST_TIMES = 3
-# Of what is more in one part of a band so much is less in another, for its mean to say nothing.
-_MIXED = 0.25
+# Of what is more in one part of a band so much is less in another, for its mean to say nothing; nor
+# does a mean that is so near one.
+_MIXED, _NEAR_ONE = 0.25, 0.02
 _IN_TIME = ("step", "warm_up", "disturbance", "variance_modulation")
 
 
@@ -164,26 +165,32 @@ def _in_frequency(state: Investigation, effect: Effect, chance: float, dt: float
         # Where samples are lost the ordinates smear what times tell.
         line = effect.value("amplitude") ** 2 * state.spectrum.longest / expected.size
         ratio = max(ratio, 1 + line / float(np.mean(expected)))
-    mixed = abs(ratio - 1) < 0.02 or _mixed(state, part.frequency[0], part.frequency[-1])
-    power = (
-        "more power in one part and less in another than"
-        if mixed
-        else f"{ratio:.3g} times the power that"
-    )
-    return _of_band(low, high, ratio, chance, f"{power} the five terms expect")
+    power = _least_and_most(state, part.frequency[0], part.frequency[-1], ratio, dt)
+    power = power or f"{ratio:.3g} times the power"
+    return _of_band(low, high, ratio, chance, f"{power} that the five terms expect")
 
 
-def _mixed(state: Investigation, low: float, high: float) -> bool:
-    """Whether a band [cycles per sample] has more power in one part and less in another."""
+def _least_and_most(state: Investigation, low: float, high: float, ratio: float, dt: float) -> str:
+    """How much power there is where in a band [cycles per sample] whose mean says nothing.
+
+    There is more in one part and less in another, or hardly anything changes; "" elsewhere.
+    """
     bins = state.data.bins
     inside = bins.used & (bins.frequency >= low) & (bins.frequency <= high)
-    after = _model.mean_density(state.model, state.data)
+    if np.count_nonzero(inside) < 2:
+        return ""
+    frequency = bins.frequency[inside]
     before = _course.ordinate_variance(
-        state.spectrum._replace(frequency=bins.frequency[inside]), state.first, state.first_data
+        state.spectrum._replace(frequency=frequency), state.first, state.first_data
     )
-    change = np.asarray(bins.shape)[inside] * (after[inside] / before - 1)
+    modelled = _model.mean_density(state.model, state.data)[inside] / before
+    change = np.asarray(bins.shape)[inside] * (modelled - 1)
     more, less = np.maximum(change, 0).sum(), np.maximum(-change, 0).sum()
-    return bool(min(more, less) > _MIXED * max(more, less))
+    if abs(ratio - 1) > _NEAR_ONE and min(more, less) < _MIXED * max(more, less):
+        return ""
+    ends = sorted((np.argmin(modelled), np.argmax(modelled)))
+    told = (f"{modelled[k]:.3g} times (at {frequency[k] / dt:.3g} Hz)" for k in ends)
+    return f"between {' and '.join(told)} the power"
 
 
 def _of_band(low: float, high: float, ratio: float, chance: float, what: str) -> dict[str, Any]:

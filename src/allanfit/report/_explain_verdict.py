@@ -11,6 +11,7 @@ _SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", 
 _ONLY = "data"  # the channel of a file that names none
 _AGREES = 0.01  # p-value, as for a fit
 _NEARLY = 1e-4  # below, what is left out changes what is named
+_EVEN = 0.05  # of log score: nobody tells it from nothing
 _MANY = 100  # standard errors, beyond which their number says nothing
 _FINE = 1.0  # nats: two digits of a smaller standard error say nothing
 
@@ -136,6 +137,8 @@ def evidence_rows(channel: Mapping[str, Any]) -> list[Evidence]:
 def _gain(difference: Number | None, error: Number | None) -> str:
     if difference is None:
         return "not known"
+    if abs(difference) < _EVEN:
+        return "as good as before"
     way = "better" if difference > 0 else "worse"
     fine = error is not None and 0 < error < _FINE
     size = beside_error(abs(difference), _FINE) if fine else with_error(abs(difference), error)
