@@ -123,6 +123,33 @@ def test_notches_stand_beside_each_other_and_beside_a_filter(tmp_path):
     assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("forward", "backward"),
+    [
+        ([1.0, *8 * [0.0], 0.1], [1.0]),
+        ([1.0, *4 * [0.0], -0.15], [1.0]),
+        ([1.0], [1.0, *29 * [0.0], -0.12]),
+    ],
+    ids=["9 samples", "5 and of the other sign", "30 and back"],
+)
+def test_an_echo_is_told_with_its_time(tmp_path, forward, backward):
+    """It was a steep filter, correlated noise and a resonance, and N too small by half."""
+    rng = np.random.default_rng(8)
+    walk = np.cumsum(rng.standard_normal(SAMPLES)) * 2e-4 * RATE**-0.5
+    x = lfilter(forward, backward, 0.005 * RATE**0.5 * rng.standard_normal(SAMPLES)) + walk
+    channel = explained(tmp_path, x)
+    assert channel["verdict"] == "unexplained"
+    (effect,) = channel["effects"]
+    assert "an echo" in effect["sentence"]
+    lag = max(len(forward), len(backward)) - 1
+    part = (forward[1:] or [-each for each in backward[1:]])[-1]
+    parameters = effect["parameters"]
+    assert RATE / parameters["frequency"]["value"] == pytest.approx(lag, abs=0.1)
+    low, high = parameters["height"]["intervals"]["0.95"]
+    assert low < part < high
+    assert channel["coefficients_after"]["N"]["value"] == pytest.approx(0.005, rel=0.03)
+
+
 def test_somebody_who_leans_on_the_table_is_a_disturbance(tmp_path, noise):
     """Little louder for eight seconds, and tilted: no step up and down, and nothing rectified."""
     inside = (TIME > 300) & (TIME < 308)

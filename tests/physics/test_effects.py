@@ -58,7 +58,7 @@ CONTRACT = {
     "variance_modulation": ["ratio", "intervals", "times", "strengths"],
     "vibration_rectification": ["coefficient"],
     "disturbance": ["intervals"],
-    "bump": ["height", "frequency", "width", "high_pass", "flat", "notch"],
+    "bump": ["height", "frequency", "width", "high_pass", "flat", "notch", "echo"],
 }
 DT = 0.01
 SAMPLINGS = ("point", "averaged")
@@ -341,6 +341,14 @@ def test_a_notch_is_that_which_firmware_takes_out(frequency, quality):
     gain = np.asarray(eqx.filter_jit(bump.gain)(at, DT))
     np.testing.assert_allclose(gain, expected, rtol=1e-4, atol=1e-9)
     assert eqx.filter_jit(bump.gain)(jnp.zeros(1), DT) == 1
+
+
+@pytest.mark.parametrize(("lag", "part"), [(9, 0.03), (2, -0.4), (40, 0.9)])
+def test_an_echo_is_that_of_a_filter_of_two_taps(lag, part):
+    bump = Bump(*map(jnp.asarray, (part, 1 / (lag * DT), 1.0)), echo=True)
+    at = np.linspace(0.0, 0.5, 400) / DT
+    expected = np.abs(freqz([1.0, *(lag - 1) * [0.0], part], worN=at, fs=1 / DT)[1]) ** 2
+    np.testing.assert_allclose(eqx.filter_jit(bump.gain)(at, DT), expected, rtol=1e-9)
 
 
 def test_a_flat_bump_is_a_band_with_steep_flanks():

@@ -8,7 +8,7 @@ from .spectrum import _model, _search
 from .spectrum._leakage import take_bump
 from .spectrum._model import Model
 from .spectrum._narrow import is_about, narrow_noises
-from .spectrum._structure import TERMS, UNNAMED, Kinds
+from .spectrum._structure import ECHO, TERMS, UNNAMED, Kinds
 
 
 def bump_instead(state: Investigation) -> None:
@@ -88,6 +88,8 @@ def bump_beside(state: Investigation) -> None:
 
 def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
     """Whether a bump is about a line or a resonance of the model."""
+    if bump.model.kinds.shaping == ECHO:
+        return False
     if bump.model.kinds.notches > state.model.kinds.notches:
         middle, _ = _model.notches(bump.model, state.data)[-1]
     else:

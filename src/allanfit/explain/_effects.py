@@ -17,6 +17,7 @@ from .spectrum._posterior import Draws
 from .spectrum._structure import (
     DROOPS,
     EACH,
+    ECHO,
     FLAT,
     HIGH_PASS,
     NARROW,
@@ -27,6 +28,7 @@ from .spectrum._structure import (
     UNNAMED,
     bounds,
     left_of,
+    part_of,
     shape_of,
     sieve,
 )
@@ -38,6 +40,10 @@ from .values._spikes import USUAL
 _MOST_TIMES = 3
 _BAND = "a band of noise {:.3g} times as strong, from {:.3g} to {:.3g} Hz, with steep flanks"
 _NOTCH = "a notch at {:.4g} Hz with a quality factor of {:.3g}, down {} of the power"
+_REPEATED = (
+    "an echo, as if each sample held {:+.2g} % of the one {:.4g} s before it as well, so that the "
+    "spectrum ripples every {:.4g} Hz"
+)
 # What is as little is not told from nothing.
 _NOTHING, _FAINT = "to less than a hundredth", 0.01
 _CUT = (
@@ -238,6 +244,11 @@ def _unnamed(shaping: str, three, samples, dt: float) -> Effect:
     frequency, width = (np.asarray(each) for each in shape_of(shaping, three, samples))
     middle, breadth = float(np.median(frequency)) / dt, float(np.median(width))
     values = {"frequency": frequency / dt, "width": width}
+    if shaping == ECHO:
+        part = np.asarray(part_of(three))
+        values = {"height": part, **values, "width": np.ones(2), "echo": np.ones(2)}
+        note = _REPEATED.format(100 * np.median(part), 1 / middle, middle)
+        return Effect("bump", SURE, {}, values, {}, (0.0, 0.5 / dt), note)
     if shaping == HIGH_PASS:
         values = {"height": np.zeros(2), **values, "high_pass": np.ones(2)}
         band, note = (0.0, 2 * middle), _CUT.format(middle, 1 / (2 * breadth))

@@ -14,7 +14,7 @@ from .courses._options import course_options
 from .lines._taken import BAND, LINE, line_options
 from .spectrum import _search
 from .spectrum._leakage import take_bump
-from .spectrum._model import is_narrow_notch
+from .spectrum._model import is_narrow_notch, ripples
 from .spectrum._narrow import narrow_groups
 from .spectrum._structure import NARROW
 
@@ -26,7 +26,7 @@ LEEWAY = 3.0
 _SLOW, _HINT = ("warm_up", "temperature"), float(np.log(0.1))
 # Steps that are no chance together: so many, each with such a chance.
 _MOST_STEPS, _STEP_HINT = 4, float(np.log(0.3))
-# A notch that gains so many times as much as all else is no part of something else.
+# What has no name and gains so many times as much as all else is no part of something else.
 _FAR_AHEAD = 2.0
 
 
@@ -38,7 +38,7 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
         return True
     found = _finite(lines + smooth_options(state) + courses)
     state.nearest = min([state.nearest, *(option.log_p for option in found)])
-    if _take_notch(state, found):
+    if _take_unnamed(state, found):
         return True
     alarms = _alarms(state, found)
     if not alarms:
@@ -61,24 +61,26 @@ def take_one(state: Investigation, drivers: dict[str, Any]) -> bool:
     return True
 
 
-def _take_notch(state: Investigation, found: list[Option]) -> bool:
-    """A notch, if nothing that has a name comes near it; says whether it was taken.
+def _take_unnamed(state: Investigation, found: list[Option]) -> bool:
+    """A notch or an echo, if nothing that has a name comes near it; says whether one was taken.
 
-    Filters and noises would be made of what lies to either side.
+    Filters and noises would be made of what lies to either side, or of ripples.
     """
     most = max((option.gain for option in found), default=0.0)
-    for notch in _search.notch(state.model, state.data, most / _FAR_AHEAD):
-        log_p = log_chance("bump", notch.gain)
-        if notch.gain < _FAR_AHEAD * most or log_p > np.log(state.alarm):
+    first = _search.notch(state.model, state.data, most / _FAR_AHEAD)
+    for unnamed in first + _search.echo(state.model, state.data, most):
+        log_p = log_chance("bump", unnamed.gain)
+        if unnamed.gain < _FAR_AHEAD * most or log_p > np.log(state.alarm):
             continue
-        if not is_narrow_notch(notch.model, state.data):
+        if not (is_narrow_notch(unnamed.model, state.data) or ripples(unnamed.model, state.data)):
             continue
-        if any(other.gain > notch.gain for other in _search.bumps(state.model, state.data)):
+        others = _search.bumps(state.model, state.data)
+        if any(o.gain > unnamed.gain and o.model.kinds != unnamed.model.kinds for o in others):
             # A lack toward zero frequency is none.
             continue
         state.nearest = min(state.nearest, log_p)
-        state.findings.append(Finding("bump", log_p, notch.gain))
-        take_bump(state, notch)
+        state.findings.append(Finding("bump", log_p, unnamed.gain))
+        take_bump(state, unnamed)
         return True
     return False
 

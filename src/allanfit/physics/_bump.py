@@ -35,6 +35,10 @@ class Bump(AbstractFilter):
 
     by the bilinear transform. Where height is large and negative, half of the power is left at
     frequencies f_0 width apart, so that the quality factor is 1/width.
+
+    An `echo` adds to each sample such a part of the one a time 1/f_0 before as the height says, and
+    so makes ripples that are f_0 apart: the density is multiplied by
+    |1 + height exp(-2 pi i f/f_0)|^2, whatever the width.
     """
 
     height: Float[Array, ""]
@@ -43,6 +47,7 @@ class Bump(AbstractFilter):
     high_pass: bool = eqx.field(static=True, default=False)
     flat: bool = eqx.field(static=True, default=False)
     notch: bool = eqx.field(static=True, default=False)
+    echo: bool = eqx.field(static=True, default=False)
     name: ClassVar[str] = "bump"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("height", "", range=SIGNED),
@@ -51,6 +56,7 @@ class Bump(AbstractFilter):
         Parameter("high_pass", "", kind="flag"),
         Parameter("flat", "", kind="flag"),
         Parameter("notch", "", kind="flag"),
+        Parameter("echo", "", kind="flag"),
     )
     what: ClassVar[str] = "a bump or dip of the noise about one frequency"
     origin: ClassVar[str] = "nothing that the catalogue has a name for"
@@ -63,6 +69,9 @@ class Bump(AbstractFilter):
         """The factor: what is sampled already does not fold."""
         if self.notch:
             return 1 + jnp.expm1(self.height) / (1 + self._detuning(frequency, dt) ** 2)
+        if self.echo:
+            turn = 2 * jnp.pi * frequency / self.frequency
+            return 1 + self.height**2 + 2 * self.height * jnp.cos(turn)
         distance = jnp.log(jnp.maximum(frequency / self.frequency, 1e-18)) / self.width
         if self.high_pass:
             return jax.nn.sigmoid(distance)

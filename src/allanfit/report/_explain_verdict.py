@@ -39,7 +39,12 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
         ]
         if not channel["improvement"] or not any(shown):
             return f"{start} explains how."
-        shape = "a notch" if all("notch" in each for each in shown) else "a smooth bump"
+        shapes = [
+            name
+            for kind, name in (("notch", "a notch"), ("echo", "an echo"))
+            if all(kind in each for each in shown)
+        ]
+        shape = shapes[0] if shapes else "a smooth bump"
         return f"{start} explains how; {shape} stands for it in the better model."
     least = min(effect["probability"] for effect in effects)
     left_out = counted([words(effect["name"]) for effect in effects])

@@ -47,8 +47,9 @@ def words(name: str) -> str:
 
 def phrase(effect: Mapping[str, Any]) -> str:
     """An effect as a phrase, as its name says, but for notches, whose shape is no bump."""
-    if "notch" in effect["parameters"]:
-        return "a notch, which has no name"
+    for shape in ("notch", "echo"):
+        if shape in effect["parameters"]:
+            return f"a{'n' * (shape == 'echo')} {shape}, which has no name"
     return words(effect["name"])
 
 
@@ -74,4 +75,6 @@ def idle_parameters(effect: Mapping[str, Any]) -> tuple[str, ...]:
     shown = effect["parameters"]
     if effect["name"] == "bump" and shown.get("height", {}).get("value") == 0:
         return ("height",) if "high_pass" in shown else tuple(shown)
+    if "echo" in shown:
+        return ("width",)
     return ("limit",) if {"low", "high"} & set(shown) else ()

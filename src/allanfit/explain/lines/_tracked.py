@@ -122,7 +122,8 @@ def tracked(
         # Relative to the likeliest: of a strong line the largest is beyond all numbers.
         most = np.where(off > 0, np.maximum(told.max(axis=1), 0.0), told.max(axis=1))
         states = states * np.exp(told - most[:, None])[:, None, :]
-        off = off * np.exp(-most)
+        # Of one that is never off it is zero, however unlikely it is anywhere.
+        off = off * np.exp(-np.maximum(most, 0.0))
         total = np.maximum(states.sum(axis=(1, 2)) + off, _LEAST)
         states, off = states / total[:, None, None], off / total
         found += np.log(total) + most

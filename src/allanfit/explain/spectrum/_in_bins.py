@@ -13,6 +13,7 @@ from ...physics import Bump, DriftingLine, GaussMarkov, PowerLaw, Resonance, Sam
 from ._ordinates import _NODES, averaged
 from ._structure import (
     ANALOGUE_EQUIRIPPLE,
+    ECHO,
     FILTERS,
     FLAT,
     FLOOR,
@@ -21,6 +22,7 @@ from ._structure import (
     OVERSAMPLED,
     UNNAMED,
     left_of,
+    part_of,
     shape_of,
     sieve,
 )
@@ -92,21 +94,28 @@ def shaped(shaping: str | None, four: Any, nodes: Any, samples: Any) -> tuple[An
 
     One where there is none.
     """
-    middle = jnp.asarray(nodes)[:, 1]
+    nodes = jnp.asarray(nodes)
+    middle = nodes[:, 1]
     if shaping in FILTERS:
         found = sieve(shaping, four, samples)
         if found.after_converter:
             # Averaged over each bin: zeros are narrower than bins.
-            passed = averaged(found.passed(jnp.asarray(nodes), 1.0))
+            passed = averaged(found.passed(nodes, 1.0))
             return found.raised(passed), passed, jnp.ones_like(middle)
         if shaping in (OVERSAMPLED, ANALOGUE_EQUIRIPPLE):
             # An edge may be as steep as a bin is wide, too.
-            either = found.gain(jnp.asarray(nodes), 1.0), found.passed(jnp.asarray(nodes), 1.0)
+            either = found.gain(nodes, 1.0), found.passed(nodes, 1.0)
             return *map(averaged, either), jnp.ones_like(middle)
         return found.gain(middle, 1.0), found.passed(middle, 1.0), jnp.ones_like(middle)
     if shaping in UNNAMED:
         high_pass = shaping == HIGH_PASS
         where = shape_of(shaping, four, samples)
+        if shaping == ECHO:
+            part, period = part_of(four), where[0]
+            gain = Bump(part, period, jnp.ones_like(part), echo=True).gain(middle, 1.0)
+            # Averaged over bins that may hold several ripples.
+            gain = 1 + part**2 + (gain - 1 - part**2) * jnp.sinc(_breadth(nodes) / period)
+            return jnp.ones_like(middle), jnp.ones_like(middle), gain
         height, flat = jnp.tanh(four[0] / 6) * 6, shaping == FLAT
         gain = Bump(height, *where, high_pass=high_pass, flat=flat).gain(middle, 1.0)
         if high_pass:

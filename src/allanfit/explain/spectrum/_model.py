@@ -8,6 +8,7 @@ from ._climb import LEAST_GAIN, MOST_STEPS, climb, rescale
 from ._density import TOGETHER, expected_density
 from ._structure import (
     EACH,
+    ECHO,
     NOTCH,
     SHAPE,
     TERMS,
@@ -29,10 +30,11 @@ _USUAL = {"resonance": 150.0, "drifting_line": 0.01}
 _RARER = 1.5
 #: With less quality a resonance hardly swings, which is rare as well.
 SWINGS = 1.5
-# The relative width from which on a notch is none.
-_WIDEST = 0.7
-# And the correlation time in samples from which on it is usual.
+# The correlation time in samples from which on it is usual.
 _SHORTEST = 2.0
+# The relative width from which on a notch is none, and the distance of an echo's ripples [cycles
+# per sample] from which on other shapes are as good.
+_WIDEST, _RIPPLES = 0.7, 0.35
 
 
 class Model(NamedTuple):
@@ -137,6 +139,11 @@ def notches(model: Model, data: Data) -> list[tuple[float, float]]:
 def is_narrow_notch(model: Model, data: Data) -> bool:
     """Whether there are notches, and the last is narrow; of a wide one any shape may be as good."""
     return model.kinds.notches > 0 and notches(model, data)[-1][1] < _WIDEST
+
+
+def ripples(model: Model, data: Data) -> bool:
+    """Whether there is an echo, and late enough that no other shape is as good."""
+    return model.kinds.shaping == ECHO and shaping_shape(model, data)[0] < _RIPPLES
 
 
 def shaping_shape(model: Model, data: Data) -> tuple[float, float]:

@@ -22,6 +22,7 @@ from ._structure import (
     DROOPING,
     DROOPS,
     EACH,
+    ECHO,
     FLAT,
     FLOOR,
     FREE_FILTERS,
@@ -158,7 +159,7 @@ def _sample(model: Model, data: Data, seed: int, quick: bool) -> Draws:
     count = int(terms.sum())
     # Sizes of added noises: a prior bounded below keeps a faint effect from drifting to nothing.
     sizes = kinds.first_slot + EACH * np.arange(len(kinds.added))
-    heights = [TERMS] if kinds.shaping in ("bump", FLAT) else []
+    heights = [TERMS] if kinds.shaping in ("bump", FLAT, ECHO) else []
     bounded = np.flatnonzero(
         ~np.isin(place, np.array([*sizes, *heights])) & (np.arange(place.size) >= count)
     )

@@ -23,6 +23,7 @@ from ._starts import (
     added_starts,
     bump_starts,
     droop_starts,
+    echo_starts,
     filter_starts,
     filtered_last,
     floored_or_not,
@@ -36,6 +37,7 @@ from ._starts import (
 )
 from ._structure import (
     ADDED,
+    ECHO,
     FREE_FILTERS,
     MEANS,
     OF_POLES,
@@ -66,6 +68,8 @@ _GROSS = 3.0
 _LOUDEST = -15.0
 # And holds such a part of all white noise at most.
 _MOST_OF_ALL = 0.25
+# Deviance that takes an echo's part of the chance of an alarm to a fifth of what it would be.
+_OF_ECHOES = 3.2
 # A corner within such a factor of the lowest that is looked for is none.
 _LOWEST = 1.05
 
@@ -140,6 +144,11 @@ def notch(model: Model, data: Data, least: float = 0.0) -> list[Candidate]:
     if model.kinds.notches == _MOST_NOTCHES or model.kinds.shaping not in (None, *OF_POLES):
         return []
     return _compare(notch_starts(model, data, least), model, data)
+
+
+def echo(model: Model, data: Data, least: float = 0.0) -> list[Candidate]:
+    """An echo, if the largest ripple gains such a deviance."""
+    return _compare(echo_starts(model, data, least), model, data)
 
 
 def instead(model: Model, place: int, name: str, data: Data) -> Model | None:
@@ -225,9 +234,13 @@ def _is_hump(name: str, model: Model, data: Data) -> bool:
 
 
 def _gain(name: str, reached: Model, model: Model) -> float:
-    """By how much the deviance falls, less the price of a floor that comes with another effect."""
+    """By how much the deviance falls, less the price of a floor that comes with another effect.
+
+    And that of an echo, which is looked for at as many places as all other bumps together.
+    """
     besides = name != "floor" and reached.kinds.floored and not model.kinds.floored
-    return max(model.deviance - reached.deviance - PRICE * besides, 0.0)
+    price = PRICE * besides + _OF_ECHOES * (reached.kinds.shaping == ECHO)
+    return max(model.deviance - reached.deviance - price, 0.0)
 
 
 def _looked_up(kinds: Kinds) -> bool:

@@ -7,10 +7,12 @@ from jaxtyping import Float
 
 from ._density import noise_density
 from ._model import Model, mean_density, reshaped, shaping_shape
+from ._ordinates import _NODES
 from ._running_mean import running_means
 from ._structure import (
     DROOPING,
     EACH,
+    ECHO,
     FLAT,
     FLOOR,
     FREE_FILTERS,
@@ -52,6 +54,8 @@ _LOWEST_BINS = 8
 _NOTCHED, _NOTCH_WIDTHS, _LEFT_OVER = 12.0, (0.01, 0.05, 0.25), 0.1
 # To a peak and to poles apart: free droops to begin with.
 _DROOPS = (-1.0, 1.5)
+# Samples after which an echo is looked for, and how many of these times are tried.
+_DELAYS, _ECHOES = np.arange(2.0, 100.0, 0.25), 3
 
 Start = tuple[str, Kinds, np.ndarray]
 # Narrow bands that stand out, as (frequency, half width) in cycles per sample.
@@ -270,6 +274,7 @@ def bump_starts(model: Model, data: Data) -> list[Start]:
             three += [free(centre, *limits[0]), free(width, *limits[1])]
             starts.append(("bump", *_shaping_start(shaping, three, model)[1:]))
     starts += notch_starts(model, data)
+    starts += echo_starts(model, data)
     limits = bounds(HIGH_PASS, data.samples)
     for centre, width in itertools.product(np.geomspace(2 * low, high / 4, 8), (0.25, 0.5)):
         three = [0.0, free(centre, *limits[0]), free(width, *limits[1])]
@@ -294,6 +299,33 @@ def notch_starts(model: Model, data: Data, least: float = 0.0) -> list[Start]:
         for width in _NOTCH_WIDTHS:
             three = [free(_LEFT_OVER, *LEFT), free(centre, *limits[0]), free(width, *limits[1])]
             starts.append(("bump", kinds, np.insert(model.theta, place, three)))
+    return starts
+
+
+def echo_starts(model: Model, data: Data, least: float = 0.0) -> list[Start]:
+    """An echo of each of the times after which the spectrum's ripples are the largest.
+
+    None whose ripple gains no such deviance.
+    """
+    if model.kinds.shaping is not None:
+        return []
+    shape, nodes = np.asarray(data.bins.shape), np.asarray(data.bins.nodes)
+    excess = np.asarray(data.bins.density) / mean_density(model, data) - 1
+    breadth = (nodes[:, 2] - nodes[:, 0])[:, None] / (_NODES[2] - _NODES[0])
+    ripples = np.cos(2 * np.pi * nodes[:, 1:2] * _DELAYS) * np.sinc(breadth * _DELAYS)
+    ripples -= np.average(ripples, axis=0, weights=shape)
+    told = (shape * excess) @ ripples
+    known = shape @ ripples**2
+    # Whose neighbours gain less.
+    gained = told**2 / known
+    peaks = 1 + np.flatnonzero((gained[1:-1] > gained[:-2]) & (gained[1:-1] > gained[2:]))
+    limits, starts = bounds(ECHO, data.samples), []
+    for at in peaks[np.argsort(-gained[peaks])][:_ECHOES]:
+        if gained[at] < least:
+            break
+        part = np.clip(told[at] / known[at] / 2, -0.9, 0.9)
+        three = [float(np.arctanh(part)), free(1 / _DELAYS[at], *limits[0]), 0.0]
+        starts.append(("bump", *_shaping_start(ECHO, three, model)[1:]))
     return starts
 
 

@@ -66,7 +66,9 @@ OF_POLES = (*FREE_FILTERS, RECURSIVE, *DROOPS)
 HIGH_PASS = "high_pass"
 FLAT = "flat_bump"
 NOTCH = "notch"
-UNNAMED = ("bump", HIGH_PASS, FLAT)
+#: Or what each sample repeats of one before.
+ECHO = "echo"
+UNNAMED = ("bump", HIGH_PASS, FLAT, ECHO)
 EQUIRIPPLES = (EQUIRIPPLE, ANALOGUE_EQUIRIPPLE)
 FILTERS = (*FREE_FILTERS, RECURSIVE, *DROOPS, *MEANS, WINDOWED, *EQUIRIPPLES, *RIPPLED)
 #: Noises of one narrow band.
@@ -189,6 +191,11 @@ def left_of(three: Any) -> Float[Array, "..."]:
     return between(three[0], *LEFT)
 
 
+def part_of(three: Any) -> Float[Array, "..."]:
+    """The part of an earlier sample that an echo adds, of either sign."""
+    return jnp.tanh(three[0])
+
+
 def floor_of(four: Any) -> Float[Array, "..."]:
     """White noise that comes in behind a filter, over all that there is at zero frequency [dB]."""
     return 10 / np.log(10) * (jax.nn.log_sigmoid(four[EACH]) + np.log(_HIGHEST_FLOOR))
@@ -254,6 +261,8 @@ def bounds(name: str, samples: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         FLAT: ((2 / samples, 0.5), (0.1, 3.0)),
         NOTCH: ((2 / samples, 0.499), (0.003, 1.0)),
         HIGH_PASS: ((0.5 / samples, 0.3), (0.05, 0.9)),
+        # From one ripple to as many as bins tell apart.
+        ECHO: ((0.01, 0.5), (0.5, 2.0)),
     }[without_droop(name)]
 
 
@@ -298,7 +307,7 @@ def active(kinds: Kinds, terms: Any) -> Bool[np.ndarray, " parameters"]:
         flags += [kinds.shaping in (*DROOPS, *RIPPLED), kinds.shaping not in MEANS]
         flags += [kinds.shaping not in (*MEANS, *TWO_POLES), kinds.floored]
     elif kinds.shaping is not None:
-        flags += [True] * EACH + [False]
+        flags += [True, True, kinds.shaping != ECHO, False]
     flags += [True] * (EACH * kinds.notches)
     for name in kinds.added:
         # Some noises have one number for their shape.
