@@ -78,7 +78,7 @@ def bump_for_filter(state: Investigation) -> None:
 def bump_beside(state: Investigation) -> None:
     """What nothing of the catalogue explains, as a smooth bump."""
     found = _search.bumps(state.model, state.data) if state.unexplained is None else []
-    if found and _of_a_peak(state, found[0]):
+    if found and of_a_peak(state, found[0]):
         # That a peak has not quite its shape is no cause of its own.
         return
     if found and log_chance("bump", found[0].gain) < np.log(state.alarm):
@@ -86,7 +86,7 @@ def bump_beside(state: Investigation) -> None:
         take_bump(state, found[0])
 
 
-def _of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
+def of_a_peak(state: Investigation, bump: _search.Candidate) -> bool:
     """Whether a bump is about a line or a resonance of the model."""
     if bump.model.kinds.shaping == ECHO:
         return False

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import factorial, gammaln
 from scipy.stats import poisson
 
+from ._bumps import of_a_peak
 from ._chance import log_chance
 from ._options import OF_FILTERS, Option, smooth_option, smooth_options
 from ._refit import go_back, remembered
@@ -16,7 +17,7 @@ from .spectrum import _search
 from .spectrum._leakage import take_bump
 from .spectrum._model import is_narrow_notch, ripples
 from .spectrum._narrow import narrow_groups
-from .spectrum._structure import NARROW
+from .spectrum._structure import ECHO, NARROW
 
 # Broad noises, of which one is as good a witness as another that something is left out; with so
 # many times the chance that an alarm has.
@@ -74,8 +75,16 @@ def _take_unnamed(state: Investigation, found: list[Option]) -> bool:
             continue
         if not (is_narrow_notch(unnamed.model, state.data) or ripples(unnamed.model, state.data)):
             continue
-        others = _search.bumps(state.model, state.data)
-        if any(o.gain > unnamed.gain and o.model.kinds != unnamed.model.kinds for o in others):
+        if of_a_peak(state, unnamed):
+            continue
+        # The same echo may gain a hair more from another start.
+        shape = unnamed.model.kinds.shaping
+        others = [
+            other
+            for other in _search.bumps(state.model, state.data)
+            if not shape == other.model.kinds.shaping == ECHO
+        ]
+        if any(other.gain > unnamed.gain for other in others):
             # A lack toward zero frequency is none.
             continue
         state.nearest = min(state.nearest, log_p)
