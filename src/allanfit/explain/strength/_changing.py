@@ -16,8 +16,9 @@ _BANDS, _FEWEST_BANDS = 12, 4
 _MOST_PARTS = 24
 # A changing spectrum must be as unlikely under a change of white noise.
 _RESHAPED = 1e-6
-# And as large beside the quiet spectrum: of no sensor does the noise keep its shape exactly.
-_PLAIN = 0.1
+# And as large beside the quiet spectrum, or in one band: of no sensor does the noise keep its shape
+# exactly.
+_PLAIN, _PLAIN_ALONE = 0.1, 0.06
 # A band that has less than that of its mean at times is left out.
 _FULL = 0.5
 # Less of a tile's power is none; more of a tile is all of it.
@@ -111,9 +112,12 @@ def reshaped(
     left = min(map(rest, weights), key=lambda each: float(np.sum(each**2 / variance)))
     misfit = float(np.sum(left**2 / variance))
     freedom = (len(groups) - 1) * (count.size - 1)
-    size = np.sqrt(max(np.mean((left / mean) ** 2) - np.mean(variance / mean**2), 0.0))
+    sizes = np.mean((left**2 - variance) / mean**2, axis=0)
     log_p = float(chi2.logsf(misfit, freedom))
-    if log_p > np.log(_RESHAPED) or size < _PLAIN:
+    # What moves through the spectrum is a small change of all of it, and a larger one of a band.
+    alone = chi2.logsf(np.sum(left**2 / variance, axis=0), len(groups) - 1) + np.log(count.size)
+    moves = np.any((alone < np.log(_RESHAPED)) & (sizes > _PLAIN_ALONE**2))
+    if log_p > np.log(_RESHAPED) or (np.mean(sizes) < _PLAIN**2 and not moves):
         return None
     middle = np.sqrt(edges[:-1] * (edges[1:] - 1))[kept] / TILE
     return float(middle[int(np.argmax(np.sum(left**2 / variance, axis=0)))]), log_p
