@@ -29,8 +29,8 @@ def test_a_spectrum_that_changes_its_shape_is_told_from_one_that_grows():
 def test_a_band_that_moves_through_the_spectrum_is_seen_in_one_band():
     """Half as strong again in a third of an octave, which climbs by an octave and a half.
 
-    Over all bands that is a small change, and was none. Of 20 records without it none is told, by a chance
-    of one below 2e-5, and none where all of the spectrum is a tenth louder in every other part.
+    Over all bands that is a small change, and was none. Of 20 records without it none is told, by a
+    chance of one below 2e-5, and none where all is a tenth louder in every other part.
     """
     rng = np.random.default_rng(21)
     order, flat = np.arange(129), np.ones(129)
