@@ -33,9 +33,10 @@ def draw(kind: str, seed: int) -> tuple[np.ndarray, int, float]:
         keeps = np.exp(-1 / 10 ** rng.uniform(1, 3))
         shocks = 0.5 * np.sqrt(1 - keeps**2) * rng.standard_normal(x.size)
         x = x + lfilter([1.0], [1.0, -keeps], shocks)
-    x = lfilter([1.0], taps, x) if kind == "again and again" else lfilter(taps, [1.0], x)
+    forward, back = ([1.0], taps) if kind == "again and again" else (taps, [1.0])
+    x = np.asarray(lfilter(forward, back, x))
     x = x + 10 ** rng.uniform(-4, -3) * np.cumsum(rng.standard_normal(x.size))
-    return np.asarray(x)[BEFORE:], lag, part
+    return x[BEFORE:], lag, part
 
 
 def main(arguments=None):

@@ -49,7 +49,7 @@ def added_density(
         density = PowerLaw(first, one).density(middle, 1.0, sampling)
     else:
         # A peak narrower than a bin cannot fall between nodes: it is as broad as the bin.
-        breadth = _breadth(nodes)
+        wide = breadth(nodes)
 
         def peak(f, b):
             if name == "resonance":
@@ -59,13 +59,13 @@ def added_density(
                 f, 1.0, "point"
             )
 
-        density = averaged(jax.vmap(peak)(nodes, breadth))
+        density = averaged(jax.vmap(peak)(nodes, wide))
         if name == "resonance" and sampling == "averaged":
             density *= jnp.sinc(middle) ** 2
     return jnp.exp(jnp.maximum(three[0], FLOOR)) * density
 
 
-def _breadth(nodes: Any) -> Any:
+def breadth(nodes: Any) -> Any:
     """Of each bin [cycles per sample]."""
     return (nodes[:, 2] - nodes[:, 0]) / (_NODES[2] - _NODES[0])
 
@@ -86,7 +86,7 @@ def notched(three: Any, nodes: Any, samples: Any) -> Float[Array, " bins"]:
         shallow = jnp.log1p(-lack * width / broad)
         return Bump(shallow, frequency, broad, notch=True).gain(frequencies, 1.0)
 
-    return averaged(jax.vmap(at)(nodes, _breadth(nodes)))
+    return averaged(jax.vmap(at)(nodes, breadth(nodes)))
 
 
 def shaped(shaping: str | None, four: Any, nodes: Any, samples: Any) -> tuple[Any, Any, Any]:
@@ -114,7 +114,7 @@ def shaped(shaping: str | None, four: Any, nodes: Any, samples: Any) -> tuple[An
             part, period = part_of(four), where[0]
             gain = Bump(part, period, jnp.ones_like(part), echo=True).gain(middle, 1.0)
             # Averaged over bins that may hold several ripples.
-            gain = 1 + part**2 + (gain - 1 - part**2) * jnp.sinc(_breadth(nodes) / period)
+            gain = 1 + part**2 + (gain - 1 - part**2) * jnp.sinc(breadth(nodes) / period)
             return jnp.ones_like(middle), jnp.ones_like(middle), gain
         height, flat = jnp.tanh(four[0] / 6) * 6, shaping == FLAT
         gain = Bump(height, *where, high_pass=high_pass, flat=flat).gain(middle, 1.0)

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ._density import noise_density
+from ._in_bins import breadth
 from ._model import Model, mean_density, reshaped, shaping_shape
-from ._ordinates import _NODES
 from ._running_mean import running_means
 from ._structure import (
     DROOPING,
@@ -310,12 +310,12 @@ def echo_starts(model: Model, data: Data, least: float = 0.0) -> list[Start]:
     if model.kinds.shaping is not None:
         return []
     shape, nodes = np.asarray(data.bins.shape), np.asarray(data.bins.nodes)
+    wide = breadth(nodes)[:, None]
     excess = np.asarray(data.bins.density) / mean_density(model, data) - 1
-    breadth = (nodes[:, 2] - nodes[:, 0])[:, None] / (_NODES[2] - _NODES[0])
-    ripples = np.cos(2 * np.pi * nodes[:, 1:2] * _DELAYS) * np.sinc(breadth * _DELAYS)
+    ripples = np.cos(2 * np.pi * nodes[:, 1:2] * _DELAYS) * np.sinc(wide * _DELAYS)
     ripples -= np.average(ripples, axis=0, weights=shape)
     told = (shape * excess) @ ripples
-    known = shape @ ripples**2
+    known = np.maximum(shape @ ripples**2, 1e-12)
     # Whose neighbours gain less.
     gained = told**2 / known
     peaks = 1 + np.flatnonzero((gained[1:-1] > gained[:-2]) & (gained[1:-1] > gained[2:]))
@@ -324,7 +324,7 @@ def echo_starts(model: Model, data: Data, least: float = 0.0) -> list[Start]:
         if gained[at] < least:
             break
         part = np.clip(told[at] / known[at] / 2, -0.9, 0.9)
-        three = [float(np.arctanh(part)), free(1 / _DELAYS[at], *limits[0]), 0.0]
+        three = [float(np.arctanh(part)), free(1 / float(_DELAYS[at]), *limits[0]), 0.0]
         starts.append(("bump", *_shaping_start(ECHO, three, model)[1:]))
     return starts
 
