@@ -204,6 +204,7 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
         ("clock.csv", "0.01", True),
         ("clock.txt", "0.01", True),
         ("clock.csv", "10", True),  # in ms
+        ("note.csv", "0.01", True),  # below a comment that names no columns
         ("thirds.csv", "0.0033333", True),
         ("counter.csv", "1", False),
         ("alone.csv", None, False),
@@ -215,7 +216,8 @@ def test_a_first_column_without_a_name_that_rises_evenly_is_a_clock(
     mark = "," if file.endswith(".csv") else " "
     rows = zip(lines(noise, mark).splitlines(), range(len(noise)), strict=True)
     before = (lambda _: "") if step is None else lambda k: f"{k * float(step):.6g}{mark}"
-    path = write(file, "".join(f"{before(k)}{row}\n" for row, k in rows))
+    note = "# at rest\n" if file == "note.csv" else ""
+    path = write(file, note + "".join(f"{before(k)}{row}\n" for row, k in rows))
     if not found:
         with pytest.raises(RecordingError, match="tells no sampling rate"):
             load(path)

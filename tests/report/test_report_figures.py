@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from allanfit.report import figure
 from allanfit.report._figures import svg
@@ -176,6 +177,17 @@ def test_the_svg_stands_alone(document):
     assert element.count('id="') == element.count('id="psd-1-')
     assert element.count("url(#") == element.count("url(#psd-1-")
     assert element.count('href="#') == element.count('href="#psd-1-') > 0
+
+
+@pytest.mark.parametrize(("ordinates", "shown"), [(1, False), (2, True)])
+def test_one_ordinate_that_is_nothing_by_chance_takes_no_room(ordinates, shown, document):
+    """The interval of one goes from a fifth to a thousand times it, by the law of chi square."""
+    psd = document["channels"][0]["curves"]["psd"]
+    value = psd["density"][0] = 1e-6 * psd["model"][0]
+    for ends, part in zip(psd["band_95"], (0.975, 0.025), strict=True):
+        ends[0] = ordinates * value / chi2.ppf(part, ordinates)
+    bottom = figure(document["channels"][0]).axes[1].get_ylim()[0]
+    assert (bottom < value) == shown
 
 
 def test_shares_have_a_panel_a_term_and_a_triangle_where_one_stands_out(document):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._csv_digits import check_blanks, check_digits, has_decimal_comma, is_grouped, is_number
-from ._csv_header import Header, named, read_header
+from ._csv_header import Header, named, nameless, read_header
 from ._recording import RecordingError
 from ._text_clock import is_clock, is_date
 
@@ -95,7 +95,8 @@ def find_layout(file: str, text: bytes) -> Layout:
                 f"{file}, line {first + 1}: {lines[first]!r:.60} mixes numbers and text: give the "
                 "file a header line."
             )
-        if not commented and _begins_with_clock(rows[start:][:_TELLING], comma):
+        unnamed = header.names[0] == nameless(1)
+        if unnamed and _begins_with_clock(rows[start:][:_TELLING], comma):
             header = Header(
                 ["time", *header.names[1:]],
                 header.units,

@@ -21,6 +21,7 @@ from ._panels import (
     POINTS,
     axis_labels,
     empty_sheet,
+    framed,
     positive,
     say_empty,
     style,
@@ -66,7 +67,8 @@ class ExplainedCurve(NamedTuple):
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Limits in x and y that frame the data; below, room to see the effects."""
-        levels = np.concatenate([self.data, self.before, self.after, self.simulation])
+        models = self.before, self.after, self.simulation
+        levels = np.concatenate([framed(self.data, self.low, self.high, *models), *models])
         top = 2.0 * np.nanmax(np.concatenate([levels, self.high]))
         lowest = float(np.nanmin(levels))
         # A line in one bin of a spectrum is spread over all of it.
@@ -85,7 +87,8 @@ class ExplainedCurve(NamedTuple):
     def ratio_range(self) -> tuple[float, float]:
         """The smallest and the largest ratio of recording to model, and one."""
         models = (self.before, self.after, self.simulation)
-        ratios = np.concatenate([*(self.data / each for each in models), [1.0]])
+        data = framed(self.data, self.low, self.high, *models)
+        ratios = np.concatenate([*(data / each for each in models), [1.0]])
         return float(np.nanmin(ratios)), float(np.nanmax(ratios))
 
 

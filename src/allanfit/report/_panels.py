@@ -30,6 +30,9 @@ _MARGIN_INCHES = (0.60, 0.10, 0.45, 0.06)  # left, right, bottom, top
 _TITLE_INCHES = 0.25
 _LABEL_POSITION = -0.15  # of the y labels, in widths of their axes
 _ROOM_BELOW_DATA = 3.0
+# The ratio of the ends of an interval that one ordinate has and two have not, and how far below a
+# model one may be seen.
+_VAGUE, _FAR_BELOW = 1e3, 1e3
 _LARGEST_LINEAR_RESIDUAL = 20.0
 
 _STYLE = {
@@ -214,10 +217,22 @@ def _draw_curve(axes: Axes, curve: Curve, coefficients: Mapping[str, Any]) -> No
     label_lines(axes, lines, (points, fit), bars, legend)
 
 
+def framed(data: np.ndarray, low: np.ndarray, high: np.ndarray, *models: np.ndarray) -> np.ndarray:
+    """The data that limits have to hold.
+
+    A single ordinate may be nothing by chance, and then say nothing: decades below all models it
+    gets no room, and its bar is cut off.
+    """
+    lowest = np.fmin.reduce(models)
+    chance = (high > _VAGUE * low) & (data < lowest / _FAR_BELOW)
+    return np.where(chance, lowest / _FAR_BELOW, data)
+
+
 def curve_limits(curve: Curve) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits in x and y that frame the data; below, room to see terms smaller than their sum."""
     shown = np.concatenate([curve.data, curve.model, curve.high])
-    bottom = np.nanmin(np.concatenate([curve.data, curve.model])) / _ROOM_BELOW_DATA
+    data = framed(curve.data, curve.low, curve.high, curve.model)
+    bottom = np.nanmin(np.concatenate([data, curve.model])) / _ROOM_BELOW_DATA
     return (
         (float(np.nanmin(curve.x)) / 1.3, float(np.nanmax(curve.x)) * 1.3),
         (float(bottom), float(np.nanmax(shown)) * 1.5),
