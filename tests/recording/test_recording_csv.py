@@ -207,6 +207,8 @@ def test_a_nameless_index_column_is_left_out_and_said(write, noise):
         ("note.csv", "0.01", True),  # below a comment that names no columns
         ("thirds.csv", "0.0033333", True),
         ("counter.csv", "1", False),
+        ("huge.csv", "1e307", False),
+        ("none.csv", "nan", False),
         ("alone.csv", None, False),
     ],
 )

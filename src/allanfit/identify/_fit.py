@@ -1,7 +1,6 @@
 """An array in, coefficients with intervals out."""
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -67,7 +66,7 @@ class Fit(eqx.Module):
     @property
     def upper_limits(self) -> dict[str, Float[Array, "*sensors"]]:
         """One-sided 95 % limits, widened as intervals are."""
-        _, (limits,) = _bounds(self.estimate.draws, self.estimate.resolved, (0.95,))
+        _, (_, limits) = _bounds(self.estimate.draws, self.estimate.resolved, _both(0.05))
         return _by_symbol(limits)
 
     @property
@@ -95,7 +94,7 @@ class Fit(eqx.Module):
             )
         tail = (1 - probability) / 2
         resolved = self.estimate.resolved
-        (low, _), (_, high) = _bounds(self.estimate.draws, resolved, (tail, 1 - tail))
+        (low, _), (_, high) = _bounds(self.estimate.draws, resolved, _both(tail))
         low = jnp.where(resolved, low, 0.0)
         return _by_symbol(jnp.stack([low, high], axis=-1), axis=-2)
 
@@ -254,11 +253,16 @@ def _medians(
     return found.at[..., q].set(middle[..., q])
 
 
-@partial(jax.jit, static_argnums=2)
+def _both(tail: float) -> Float[np.ndarray, "2"]:
+    """The probabilities below two quantiles with such tails; numbers, for one compilation."""
+    return np.array([tail, 1 - tail])
+
+
+@jax.jit
 def _bounds(
     draws: Float[Array, "*sensors draws terms"],
     resolved: Bool[Array, "*sensors terms"],
-    probabilities: tuple[float, ...],
+    probabilities: Float[Array, "2"] | Float[np.ndarray, "2"],
 ) -> tuple[list[Float[Array, "*sensors terms"]], list[Float[Array, "*sensors terms"]]]:
     """The least and the largest quantiles, with noises that are not resolved and without them."""
     (small, *whole), draws = _quantiles(draws, _SMALLEST, *probabilities), jnp.abs(draws)
@@ -276,7 +280,7 @@ def _bounds(
 
 def _quantiles(
     draws: Float[Array, "*sensors draws terms"],
-    *probabilities: float,
+    *probabilities: float | Float[Array, ""],
     used: bool | Bool[Array, "*sensors draws #terms"] = True,
 ) -> list[Float[Array, "*sensors terms"]]:
     """Quantiles of the draws that are used."""
@@ -291,7 +295,8 @@ def _quantiles(
         below = place.astype(int)
         low = jnp.take_along_axis(ordered, below, axis=-2)
         high = jnp.take_along_axis(ordered, jnp.minimum(below + 1, last), axis=-2)
-        found.append((low + (place - below) * (high - low))[..., 0, :])
+        between = (place - below).astype(draws.dtype)
+        found.append((low + between * (high - low))[..., 0, :])
     return found
 
 

@@ -21,6 +21,8 @@ _TELLING = 100
 # In so many lines and more noise does not rise from each to the next, by steps that differ by less
 # than such a part of the mean one, or by less than two roundings.
 _RISING, _EVEN = 20, 1e-3
+# Beyond the nanoseconds of any calendar; and sums of such numbers overflow nothing.
+_NO_TIME = 1e30
 
 
 @dataclass(frozen=True)
@@ -150,8 +152,10 @@ def _begins_with_clock(rows: list[list[str]], comma: bool) -> bool:
         or not all(is_number(each, False) for each in stamps)
     ):
         return False
-    digits = max(len(each.partition(".")[2]) for each in stamps)
-    steps = np.diff(np.array(stamps, float))
+    digits, times = max(len(each.partition(".")[2]) for each in stamps), np.array(stamps, float)
+    if not np.all(np.abs(times) < _NO_TIME):
+        return False
+    steps = np.diff(times)
     uneven = max(_EVEN * float(steps.mean()), 2.1 * 10.0**-digits)
     return bool(steps.min() > 0 and np.ptp(steps) < uneven and np.any(steps != 1))
 
