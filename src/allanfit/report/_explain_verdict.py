@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..formatting import Number, beside_error, p_value, significant, with_error
-from ._explain_words import counted, idle_parameters, words
+from ._explain_words import UNNAMED_SHAPES, counted, idle_parameters, words
 
 _UNNAMED = "bump"  # describes what no effect of the catalogue explains
 _SURE, _LIKELY = 0.9, 0.5  # of an effect; below, the sentence says "probably", and "perhaps"
@@ -39,12 +39,8 @@ def verdict_sentence(channel: Mapping[str, Any]) -> str:
         ]
         if not channel["improvement"] or not any(shown):
             return f"{start} explains how."
-        shapes = [
-            name
-            for kind, name in (("notch", "a notch"), ("echo", "an echo"))
-            if all(kind in each for each in shown)
-        ]
-        shape = shapes[0] if shapes else "a smooth bump"
+        alike = (name for flag, name in UNNAMED_SHAPES.items() if all(flag in s for s in shown))
+        shape = next(alike, "a smooth bump")
         return f"{start} explains how; {shape} stands for it in the better model."
     least = min(effect["probability"] for effect in effects)
     left_out = counted([words(effect["name"]) for effect in effects])

@@ -30,6 +30,9 @@ _WORDS = {
 }
 
 
+#: What has no name and is no bump, by the flag that says so.
+UNNAMED_SHAPES = {"notch": "a notch", "echo": "an echo"}
+
 # Names of effects in a legend that are names of people too.
 _LABELS = {"gauss_markov": "Gauss-Markov"}
 
@@ -46,10 +49,10 @@ def words(name: str) -> str:
 
 
 def phrase(effect: Mapping[str, Any]) -> str:
-    """An effect as a phrase, as its name says, but for notches, whose shape is no bump."""
-    for shape in ("notch", "echo"):
-        if shape in effect["parameters"]:
-            return f"a{'n' * (shape == 'echo')} {shape}, which has no name"
+    """An effect as a phrase, as its name says, but for those whose shape is no bump."""
+    for flag, shape in UNNAMED_SHAPES.items():
+        if flag in effect["parameters"]:
+            return f"{shape}, which has no name"
     return words(effect["name"])
 
 
