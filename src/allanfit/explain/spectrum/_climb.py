@@ -87,7 +87,6 @@ def _ascend(
     at,
     data: Data,
     enough: tuple[float, float] = (LEAST_GAIN, 0.0),
-    damping=None,
     steps: int = MOST_STEPS,
 ):
     """Damped as Marquardt does (1963, J. SIAM 11:431), until nothing more is gained.
@@ -100,48 +99,47 @@ def _ascend(
     usual = np.count_nonzero(data.bins.used)
     total, slope = at(theta)
     value = deviances(total, data)
-    damping = np.full(len(theta), 1e-2) if damping is None else damping
-    still = np.ones(len(theta), bool)
+    damping = np.full(len(theta), 1e-2)
+    reached, lowest = theta.copy(), value.copy()
+    # Those that are still on their way, by their place; all else is of these alone.
+    going = np.arange(len(theta))
     along = np.flatnonzero(moving)
     identity = np.eye(along.size)
-    for done in range(steps):
-        if len(theta) > 1 and still.sum() == 1:
-            # The last one on its way goes on alone: all at once cost as much with one as with all.
-            theta[still], value[still] = _ascend(
-                theta[still], moving, at, data, enough, damping[still], steps - done
-            )
-            break
+    for _ in range(steps):
         weighted, normal = _information(slope[:, along], data)
         with np.errstate(all="ignore"):
             gradient = weighted @ np.nan_to_num(density / total - 1)[..., None]
         diagonal = np.einsum("sii->si", normal)
         scale = diagonal + 1e-12 * diagonal.sum(axis=1, keepdims=True) + 1e-30
-        moved = np.zeros(len(theta), bool)
+        moved, ended = np.zeros(going.size, bool), np.zeros(going.size, bool)
         for factor in (0.1, 10.0):
-            weight = (factor * damping[:, None] * scale)[..., None] * identity
-            step = np.linalg.solve(normal + weight, gradient)[..., 0]
-            tried = theta.copy()
+            trying = np.flatnonzero(~moved)
+            weight = (factor * damping[trying, None] * scale[trying])[..., None] * identity
+            step = np.linalg.solve(normal[trying] + weight, gradient[trying])[..., 0]
+            tried = theta[trying]
             tried[:, along] += np.minimum(np.maximum(step, -_LONGEST_STEP), _LONGEST_STEP)
-            there = at(tried)
-            reached = deviances(there[0], data)
-            better = (reached < value) & ~moved & still
-            with np.errstate(invalid="ignore"):
-                gained = np.where(better, value - reached, 0.0)
-                least = np.maximum(least_gain, least_share * (reached - usual))
-            theta = np.where(better[:, None], tried, theta)
-            total = np.where(better[:, None], there[0], total)
-            slope = np.where(better[:, None, None], there[1], slope)
-            value = np.where(better, reached, value)
-            damping = np.where(better, np.clip(factor * damping, 1e-9, 1e9), damping)
-            still = still & ~(better & (gained < least))
-            moved |= better
-            if np.all(moved | ~still):
+            mean, slopes = at(tried)
+            found = deviances(mean, data)
+            better = found < value[trying]
+            there = trying[better]
+            least = np.maximum(least_gain, least_share * (found[better] - usual))
+            ended[there] = value[there] - found[better] < least
+            theta[there], value[there] = tried[better], found[better]
+            total[there], slope[there] = mean[better], slopes[better]
+            damping[there] = np.clip(factor * damping[there], 1e-9, 1e9)
+            moved[there] = True
+            if moved.all():
                 break
-        damping = np.where(moved, damping, damping * 100)
-        still &= damping < 1e6
-        if not still.any():
-            break
-    return theta, value
+        damping[~moved] *= 100
+        ended |= damping >= 1e6
+        if ended.any():
+            reached[going], lowest[going] = theta, value
+            going, theta, value = going[~ended], theta[~ended], value[~ended]
+            total, slope, damping = total[~ended], slope[~ended], damping[~ended]
+            if not going.size:
+                break
+    reached[going], lowest[going] = theta, value
+    return reached, lowest
 
 
 def _information(slope: Float[np.ndarray, "starts along bins"], data: Data):

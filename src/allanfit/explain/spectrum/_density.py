@@ -1,8 +1,8 @@
 """The expected density of a structure in each bin, and its derivatives, for many starts at once.
 
-What each effect puts into the bins, and its derivatives, come from JAX, vmapped over the starts and
-compiled once an effect; what is put together of them is too little to be worth compiling for each
-structure.
+What each effect puts into the bins, and its derivatives, come from JAX, compiled once an effect,
+for one start after another; what is put together of them is too little to be worth compiling for
+each structure.
 """
 
 from collections.abc import Callable
@@ -35,9 +35,9 @@ from ._structure import (
 
 # Single ordinates are asked for by so many.
 _LENGTH = 1024
-# Starts that climb together: one would be as slow as two, and of eight each waits for the last.
-# Programs are compiled for as many; another size would be as much to compile again.
-TOGETHER = 4
+# Starts that climb together. Programs are compiled for as many and serve fewer in less time; for
+# another size they would have to be compiled again.
+TOGETHER = 8
 
 _quick = quick_to_compile(partial(jax.jit, static_argnums=0))
 _quick_noise = quick_to_compile(partial(jax.jit, static_argnums=(0, 1)))
@@ -266,55 +266,74 @@ def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: An
     count = len(threes)
     places = np.minimum(np.arange(TOGETHER), count - 1)
     filled = threes[places] if count < TOGETHER else threes
-    found = program(name, filled, nodes, samples)
+    found = program(name, count, filled, nodes, samples)
     return jax.tree.map(lambda each: np.asarray(each)[:count], found)
 
 
 @_quick_noise
-def _density(sampling, name, three, nodes, samples):
-    return jax.vmap(lambda t: added_density(name, t, nodes, samples, sampling))(three)
+def _density(sampling, name, count, threes, nodes, samples):
+    return _each(lambda t: added_density(name, t, nodes, samples, sampling), count, threes)
 
 
 @_quick_noise
-def _density_slopes(sampling, name, three, nodes, samples):
-    def of_shape(shape, scale):
-        return added_density(name, jnp.append(scale, shape), nodes, samples, sampling)
+def _density_slopes(sampling, name, count, threes, nodes, samples):
+    def of_shape(three):
+        return added_density(name, three, nodes, samples, sampling)
 
-    slopes, density = _slopes_beside(of_shape, three[:, 1:], three[:, 0])
+    slopes, density = _slopes_beside(of_shape, count, threes, first=1)
     # Along the log of its scale a density is its own slope.
-    own = jnp.where(three[:, :1] > FLOOR, density, 0.0)
+    own = jnp.where(threes[:, :1] > FLOOR, density, 0.0)
     return jnp.concatenate([own[:, None], slopes], axis=1), density
 
 
 @_quick
-def _notch(_name, threes, nodes, samples):
-    return jax.vmap(lambda t: notched(t, nodes, samples))(threes)
+def _notch(_name, count, threes, nodes, samples):
+    return _each(lambda t: notched(t, nodes, samples), count, threes)
 
 
 @_quick
-def _notch_slopes(_name, threes, nodes, samples):
-    return _slopes_beside(lambda t: notched(t, nodes, samples), threes)
+def _notch_slopes(_name, count, threes, nodes, samples):
+    return _slopes_beside(lambda t: notched(t, nodes, samples), count, threes)
 
 
 @_quick
-def _gains(name, three, nodes, samples):
-    return jax.vmap(lambda t: shaped(name, t, nodes, samples))(three)
+def _gains(name, count, fours, nodes, samples):
+    return _each(lambda t: shaped(name, t, nodes, samples), count, fours)
 
 
 @_quick
-def _gain_slopes(name, three, nodes, samples):
-    return _slopes_beside(lambda t: shaped(name, t, nodes, samples), three)
+def _gain_slopes(name, count, fours, nodes, samples):
+    return _slopes_beside(lambda t: shaped(name, t, nodes, samples), count, fours)
 
 
-def _slopes_beside(values, along, *held):
-    """Derivatives along some parameters, and beside them the values, which cost nothing more.
+def _slopes_beside(values, count, along, first=0):
+    """Derivatives along parameters from the first on, and the values, which cost nothing more.
 
     Of each array of values, (starts, bins), derivatives of shape (starts, parameters, bins).
     """
 
-    def twice(*parameters):
-        found = values(*parameters)
-        return found, found
+    def both(parameters):
+        def twice(moving):
+            found = values(jnp.concatenate([parameters[:first], moving]))
+            return found, found
 
-    slopes, found = jax.vmap(jax.jacfwd(twice, has_aux=True))(along, *held)
+        return jax.jacfwd(twice, has_aux=True)(parameters[first:])
+
+    slopes, found = _each(both, count, along)
     return jax.tree.map(lambda each: each.swapaxes(1, 2), slopes), found
+
+
+def _each(values, count, along):
+    """What a function gives for the first so many of some starts, and zero for the rest.
+
+    One start after another: of all at once each bin would compute again what depends on a start
+    alone, and what only fills up the starts would cost as much as they do.
+    """
+    one = jax.eval_shape(values, along[0])
+    nothing = jax.tree.map(lambda each: jnp.zeros((len(along), *each.shape), each.dtype), one)
+
+    def put(place, found):
+        here = values(along[place])
+        return jax.tree.map(lambda every, each: every.at[place].set(each), found, here)
+
+    return jax.lax.fori_loop(0, count, put, nothing)
