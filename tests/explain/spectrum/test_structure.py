@@ -9,7 +9,13 @@ from scipy.fft import dct
 from scipy.signal import butter, fftconvolve, freqz, lfilter
 
 from allanfit.explain.spectrum._climb import climb, rescale
-from allanfit.explain.spectrum._density import expected_density, log_slopes, noise_at, parts
+from allanfit.explain.spectrum._density import (
+    TOGETHER,
+    expected_density,
+    log_slopes,
+    noise_at,
+    parts,
+)
 from allanfit.explain.spectrum._holding import held_rows
 from allanfit.explain.spectrum._model import Model, best, of_samples
 from allanfit.explain.spectrum._ordinates import (
@@ -100,6 +106,25 @@ def test_a_far_start_finds_a_gauss_markov_process():
     held, value = rescale(reached[0], kinds, data)
     assert value == pytest.approx(deviance[0], abs=1e-3)
     np.testing.assert_allclose(held[4], reached[0, 4], atol=1e-2)
+
+
+@pytest.mark.parametrize("steps", [4, 60])
+def test_each_start_of_many_comes_as_far_as_it_does_alone(steps):
+    """More than climb together as a rule, of which the nearest arrive long before the last."""
+    rng = np.random.default_rng(6)
+    walk = lfilter([0.1], [1, -0.9], rng.standard_normal(SAMPLES))
+    data = data_of(rng.standard_normal(SAMPLES) + walk)
+    kinds = Kinds(None, ("gauss_markov",))
+    times = np.geomspace(0.5, SAMPLES / 20, TOGETHER + 3)
+    starts = np.stack([theta_of("gauss_markov", 0.02, each, 1.0) for each in times])
+    reached, deviance = climb(starts, kinds, data, steps=steps)
+    assert steps == 60 or deviance.max() > deviance.min() + 10
+    for start, theta, value in zip(starts, reached, deviance, strict=True):
+        (alone,), (least,) = climb(start[None], kinds, data, steps=steps)
+        assert value == pytest.approx(least, abs=1e-6)
+        np.testing.assert_allclose(
+            expected_density(theta, kinds, data), expected_density(alone, kinds, data), rtol=1e-6
+        )
 
 
 def test_foreign_white_noise_is_taken_from_n():

@@ -37,7 +37,7 @@ from ._structure import (
 _LENGTH = 1024
 # Starts that climb together. Programs are compiled for as many and serve fewer in less time; for
 # another size they would have to be compiled again.
-TOGETHER = 8
+TOGETHER = 16
 
 _quick = quick_to_compile(partial(jax.jit, static_argnums=0))
 _quick_noise = quick_to_compile(partial(jax.jit, static_argnums=(0, 1)))
@@ -277,13 +277,16 @@ def _density(sampling, name, count, threes, nodes, samples):
 
 @_quick_noise
 def _density_slopes(sampling, name, count, threes, nodes, samples):
-    def of_shape(three):
-        return added_density(name, three, nodes, samples, sampling)
+    def along_all(three):
+        def of_shape(shape):
+            return added_density(name, jnp.append(three[0], shape), nodes, samples, sampling)
 
-    slopes, density = _slopes_beside(of_shape, count, threes, first=1)
-    # Along the log of its scale a density is its own slope.
-    own = jnp.where(threes[:, :1] > FLOOR, density, 0.0)
-    return jnp.concatenate([own[:, None], slopes], axis=1), density
+        slopes, density = _slopes_and_values(of_shape, three[1:])
+        # Along the log of its scale a density is its own slope.
+        own = jnp.where(three[0] > FLOOR, density, 0.0)
+        return jnp.concatenate([own[None], slopes]), density
+
+    return _each(along_all, count, threes)
 
 
 @_quick
@@ -293,7 +296,10 @@ def _notch(_name, count, threes, nodes, samples):
 
 @_quick
 def _notch_slopes(_name, count, threes, nodes, samples):
-    return _slopes_beside(lambda t: notched(t, nodes, samples), count, threes)
+    def along_all(three):
+        return _slopes_and_values(lambda t: notched(t, nodes, samples), three)
+
+    return _each(along_all, count, threes)
 
 
 @_quick
@@ -303,24 +309,24 @@ def _gains(name, count, fours, nodes, samples):
 
 @_quick
 def _gain_slopes(name, count, fours, nodes, samples):
-    return _slopes_beside(lambda t: shaped(name, t, nodes, samples), count, fours)
+    def along_all(four):
+        return _slopes_and_values(lambda t: shaped(name, t, nodes, samples), four)
+
+    return _each(along_all, count, fours)
 
 
-def _slopes_beside(values, count, along, first=0):
-    """Derivatives along parameters from the first on, and the values, which cost nothing more.
+def _slopes_and_values(values, along):
+    """Derivatives along some parameters, and beside them the values, which cost nothing more.
 
-    Of each array of values, (starts, bins), derivatives of shape (starts, parameters, bins).
+    Of each array of values, (bins,), derivatives of shape (parameters, bins).
     """
 
-    def both(parameters):
-        def twice(moving):
-            found = values(jnp.concatenate([parameters[:first], moving]))
-            return found, found
+    def twice(parameters):
+        found = values(parameters)
+        return found, found
 
-        return jax.jacfwd(twice, has_aux=True)(parameters[first:])
-
-    slopes, found = _each(both, count, along)
-    return jax.tree.map(lambda each: each.swapaxes(1, 2), slopes), found
+    slopes, found = jax.jacfwd(twice, has_aux=True)(along)
+    return jax.tree.map(jnp.transpose, slopes), found
 
 
 def _each(values, count, along):
