@@ -4,6 +4,8 @@ The loop is on the host: compiled, it would have to be compiled anew for every s
 takes longer than all its steps.
 """
 
+from functools import partial
+
 import numpy as np
 from jaxtyping import Float
 
@@ -29,11 +31,8 @@ def climb(
     `enough` is such a gain, and the same as a part of the deviance beyond one a bin. After so many
     `steps` at most.
     """
-    moving, held = active(kinds, data.terms), held_rows(data)
-
-    def at(theta):
-        return densities_and_slopes(theta, kinds, data, held)
-
+    at = partial(densities_and_slopes, kinds=kinds, data=data, held=held_rows(data))
+    moving = active(kinds, data.terms)
     return _ascend(np.array(starts), moving, at, data, enough, steps=steps)
 
 
@@ -50,18 +49,20 @@ def rescale(
         density[0] * bump[0] / np.exp(max(theta[place], FLOOR))
         for density, place in zip(added, sizes[TERMS:], strict=True)
     ]
-    unit = np.vstack([rows[0], *units])
-    alien = foreign(data) * bump[0]
-
-    def at(logs):
-        power = powers(logs, moving)
-        total = power @ unit + alien
-        return total, power[..., None] * unit / total[:, None]
-
+    at = partial(
+        _scaled, present=moving, unit=np.vstack([rows[0], *units]), alien=foreign(data) * bump[0]
+    )
     reached, value = _ascend(np.array(theta[sizes][None]), moving, at, data)
     best = np.array(theta)
     best[sizes] = reached[0]
     return best, float(value[0])
+
+
+def _scaled(logs, present, unit, alien):
+    """As `densities_and_slopes`, where only sizes change, given by their logarithms."""
+    power = powers(logs, present)
+    total = power @ unit + alien
+    return total, power[..., None] * unit / total[:, None]
 
 
 def deviances(mean: Float[np.ndarray, "starts bins"], data: Data) -> Float[np.ndarray, " starts"]:
