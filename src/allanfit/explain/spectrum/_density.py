@@ -96,7 +96,7 @@ def filter_slopes(
     shaping: str, four: Float[np.ndarray, " four"], nodes: Any, samples: Any
 ) -> tuple[Float[np.ndarray, " bins"], Float[np.ndarray, "bins three"]]:
     """The gain of a filter on white noise, aliases included, and its derivatives but of a floor."""
-    slopes, gains = _evaluated(_gain_slopes, shaping, four[None], nodes, samples)
+    slopes, gains = _evaluated(_gain_slopes, shaping, four[None], nodes, samples, room=1)
     return gains[0][0], slopes[0][0, :EACH].T
 
 
@@ -158,7 +158,8 @@ def noise_at(
     """What an added noise puts into single ordinates [u^2], at frequencies in cycles per sample."""
     nodes = _filled_up(frequency)
     three = np.asarray(three)[None]
-    return _evaluated(_density_of(data), name, three, nodes, data.samples)[0, : len(frequency)]
+    found = _evaluated(_density_of(data), name, three, nodes, data.samples, room=1)
+    return found[0, : len(frequency)]
 
 
 def gain_at(
@@ -173,8 +174,8 @@ def gain_at(
         return np.ones(len(frequency))
     nodes = _filled_up(frequency)
     four = with_order(kinds.shaping, theta[None, SHAPE])
-    passed = _evaluated(_gains, without_droop(kinds.shaping), four, nodes, data.samples)[1]
-    return passed[0, : len(frequency)]
+    asked = without_droop(kinds.shaping), four, nodes, data.samples
+    return _evaluated(_gains, *asked, room=1)[1][0, : len(frequency)]
 
 
 def powers(
@@ -260,12 +261,22 @@ def _held(gains, data: Data):
     return (late + np.sum(white * changing(data), axis=-1, keepdims=True), *others)
 
 
-def _evaluated(program: Callable[..., Any], name: str, threes: Starts, nodes: Any, samples: Any):
-    """What a program gives for all starts, as NumPy arrays."""
+def _evaluated(
+    program: Callable[..., Any],
+    name: str,
+    threes: Starts,
+    nodes: Any,
+    samples: Any,
+    room: int = TOGETHER,
+):
+    """What a program gives for all starts, as NumPy arrays.
+
+    It has `room` for so many, of which fewer may come. Of single ordinates there may be millions.
+    """
     # Filled up to what is compiled; walkers of a posterior come in many, always as many.
     count = len(threes)
-    places = np.minimum(np.arange(TOGETHER), count - 1)
-    filled = threes[places] if count < TOGETHER else threes
+    places = np.minimum(np.arange(room), count - 1)
+    filled = threes[places] if count < room else threes
     found = program(name, count, filled, nodes, samples)
     return jax.tree.map(lambda each: np.asarray(each)[:count], found)
 
