@@ -48,9 +48,18 @@ def _raise_again(ignored: "sys.UnraisableHookArgs") -> None:
     if not issubclass(ignored.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(ignored)
         return
-    timer = threading.Timer(_AGAIN_S, _thread.interrupt_main)
+    timer = threading.Timer(_AGAIN_S, _interrupt_again)
     timer.daemon = True
     timer.start()
+
+
+def _interrupt_again() -> None:
+    main = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main is not None:
+        # A signal to the thread itself ends what it waits for.
+        signal.pthread_kill(main, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
 
 
 # A shell's background jobs ignore it, and shall.
