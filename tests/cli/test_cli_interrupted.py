@@ -84,7 +84,7 @@ def test_elsewhere(where, recording, monkeypatch, capsys):
 
 
 def test_what_is_swallowed_comes_again():
-    """As JAX's callback of the garbage collector swallows it; where threads take signals, at once."""
+    """As JAX's callback of the garbage collector swallows it; at once, if threads take signals."""
     code = f"""
 import gc, importlib.util, time
 spec = importlib.util.spec_from_file_location("interrupt", {_interrupt.__file__!r})
