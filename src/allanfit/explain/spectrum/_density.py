@@ -292,7 +292,7 @@ def _density_slopes(sampling, name, count, threes, nodes, samples):
         def of_shape(shape):
             return added_density(name, jnp.append(three[0], shape), nodes, samples, sampling)
 
-        slopes, density = _slopes_and_values(of_shape, three[1:])
+        slopes, density = _with_slopes(of_shape)(three[1:])
         # Along the log of its scale a density is its own slope.
         own = jnp.where(three[0] > FLOOR, density, 0.0)
         return jnp.concatenate([own[None], slopes]), density
@@ -307,10 +307,7 @@ def _notch(_name, count, threes, nodes, samples):
 
 @_quick
 def _notch_slopes(_name, count, threes, nodes, samples):
-    def along_all(three):
-        return _slopes_and_values(lambda t: notched(t, nodes, samples), three)
-
-    return _each(along_all, count, threes)
+    return _each(_with_slopes(lambda t: notched(t, nodes, samples)), count, threes)
 
 
 @_quick
@@ -320,14 +317,11 @@ def _gains(name, count, fours, nodes, samples):
 
 @_quick
 def _gain_slopes(name, count, fours, nodes, samples):
-    def along_all(four):
-        return _slopes_and_values(lambda t: shaped(name, t, nodes, samples), four)
-
-    return _each(along_all, count, fours)
+    return _each(_with_slopes(lambda t: shaped(name, t, nodes, samples)), count, fours)
 
 
-def _slopes_and_values(values, along):
-    """Derivatives along some parameters, and beside them the values, which cost nothing more.
+def _with_slopes(values):
+    """What gives derivatives along all parameters beside the values, which cost nothing more.
 
     Of each array of values, (bins,), derivatives of shape (parameters, bins).
     """
@@ -336,8 +330,11 @@ def _slopes_and_values(values, along):
         found = values(parameters)
         return found, found
 
-    slopes, found = jax.jacfwd(twice, has_aux=True)(along)
-    return jax.tree.map(jnp.transpose, slopes), found
+    def both(parameters):
+        slopes, found = jax.jacfwd(twice, has_aux=True)(parameters)
+        return jax.tree.map(jnp.transpose, slopes), found
+
+    return both
 
 
 def _each(values, count, along):
