@@ -6,7 +6,14 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from allanfit.compilation import _flags, _forget_oldest, _options, quick_to_compile
+from allanfit.compilation import (
+    _flags,
+    _forget_oldest,
+    _options,
+    on_the_cpu,
+    platform,
+    quick_to_compile,
+)
 
 
 @pytest.mark.parametrize(
@@ -20,9 +27,10 @@ def test_flags_are_given_to_releases_that_know_them(release, known):
 
 def test_a_setting_of_the_user_stays(monkeypatch):
     monkeypatch.setenv("XLA_FLAGS", "--xla_backend_optimization_level=3")
-    assert "xla_backend_optimization_level" not in _options()
+    assert "xla_backend_optimization_level" not in _options("cpu")
     monkeypatch.setenv("XLA_FLAGS", "--xla_force_host_platform_device_count=2")
-    assert _options()["xla_backend_optimization_level"] == 1
+    assert _options("cpu")["xla_backend_optimization_level"] == 1
+    assert not _options("gpu")
 
 
 def test_what_compiles_quickly_can_be_a_part_of_other_programs():
@@ -32,6 +40,24 @@ def test_what_compiles_quickly_can_be_a_part_of_other_programs():
     assert jax.jit(lambda x: 2 * cube(x))(2.0) == 16.0
     assert jax.grad(cube)(2.0) == 12.0
     assert jax.vmap(cube)(jnp.arange(3.0)).tolist() == [0.0, 1.0, 8.0]
+
+
+def test_small_programs_run_on_the_cpu_beside_an_accelerator(monkeypatch):
+    assert platform() == "cpu"
+    with on_the_cpu():
+        assert jax.config.jax_default_device is None
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    with on_the_cpu():
+        assert platform() == "cpu"
+        assert jnp.zeros(1).device == jax.config.jax_default_device == jax.local_devices()[0]
+    assert platform() == "gpu"
+
+    def none(backend):
+        raise RuntimeError(f"Unknown backend {backend}")
+
+    monkeypatch.setattr(jax, "local_devices", none)
+    with on_the_cpu():
+        assert platform() == "gpu"
 
 
 def test_the_oldest_programs_go_though_another_process_removes_some(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ import gc
 import os
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import cache, wraps
 from importlib.metadata import version
 from pathlib import Path
@@ -83,22 +83,44 @@ def quick_to_compile(
         usual = jit(function)
 
         @cache
-        def quick() -> Callable[..., Any]:
-            return jit(function, compiler_options=_options())
+        def quick(on: str) -> Callable[..., Any]:
+            return jit(function, compiler_options=_options(on))
 
         @wraps(function)
         def called(*arguments: Any) -> Any:
             traced = any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments))
-            return usual(*arguments) if traced else quick()(*arguments)
+            return usual(*arguments) if traced else quick(platform())(*arguments)
 
         return called
 
     return decorate
 
 
-def _options() -> dict[str, int | bool]:
+def platform() -> str:
+    """Where JAX computes what it is not told the place of: `cpu`, `gpu` or another."""
+    chosen = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
+    if chosen is None:
+        return jax.default_backend()
+    return chosen if isinstance(chosen, str) else chosen.platform
+
+
+def on_the_cpu() -> AbstractContextManager[Any]:
+    """For thousands of small programs in turn: an accelerator takes longer to begin than they last.
+
+    Where JAX was told to know nothing but an accelerator (`JAX_PLATFORMS`) they stay on that.
+    """
+    if platform() == "cpu":
+        return nullcontext()
+    try:
+        cpu, *_ = jax.local_devices(backend="cpu")
+    except RuntimeError:
+        return nullcontext()
+    return jax.default_device(cpu)
+
+
+def _options(on: str) -> dict[str, int | bool]:
     """Those that the user has not set, for the CPU."""
-    if jax.default_backend() != "cpu":
+    if on != "cpu":
         return {}
     chosen = os.environ.get("XLA_FLAGS", "")
     return {name: value for name, value in _settings(version("jaxlib")) if name not in chosen}

@@ -295,6 +295,21 @@ def test_it_is_as_exact_where_jax_is_left_as_it_is():
         assert after[0] == pytest.approx(after[1], rel=1e-6)
 
 
+def test_it_runs_on_the_cpu_beside_an_accelerator(monkeypatch):
+    """Thousands of small programs, which an accelerator takes longer to begin than they last."""
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    on = []
+    allanfit.explain(
+        np.random.default_rng(5).standard_normal(1000),
+        rate_hz=100.0,
+        unit="deg/s",
+        posterior=False,
+        announce=lambda channel: on.append(jax.config.jax_default_device),
+    )
+    assert on == jax.local_devices(backend="cpu")[:1]
+    assert jax.config.jax_default_device is None
+
+
 def test_the_square_of_temperature_is_told():
     """A room that swings by 2 K: bias of 0.01 K^-2 of its square, in deg/s, and none of itself."""
     time = np.arange(SAMPLES) / RATE

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
+from ..compilation import on_the_cpu
 from ..curves import unit_scale
 from ..formatting import finite
 from ..identify import fit_series
@@ -80,7 +81,7 @@ def explain_recording(
     else:
         recording = recording_of(recording, rate_hz=rate_hz, unit=unit)
     # Steep filters leave powers that single precision cannot tell from nothing.
-    with jax.enable_x64(True):
+    with jax.enable_x64(True), on_the_cpu():
         compared_with = references(simulation, recording, sampling)
         drawn = [each.simulated for each in compared_with.values() if each.simulated]
         for channel, of in (*((each, recording) for each in recording.channels), *drawn):

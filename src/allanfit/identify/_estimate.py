@@ -11,7 +11,7 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
-from ..compilation import quick_to_compile
+from ..compilation import platform, quick_to_compile
 from ..curves import Design, Statistics, statistics, statistics_on_host, unit_scale
 from ._ensemble import ensemble
 from ._goodness import goodness_of_fit, score
@@ -117,7 +117,7 @@ def estimate(
     """
     traced = any(isinstance(each, Tracer) for each in stretches)
     short = sum(each.size for each in stretches) <= _MOST_ON_HOST
-    here = (short and jax.default_backend() == "cpu") or len(stretches) > _MOST_COMPILED
+    here = (short and platform() == "cpu") or len(stretches) > _MOST_COMPILED
     if here and not traced:
         found = statistics_on_host(tuple(map(np.asarray, stretches)), design)
         found = jax.tree.map(lambda leaf: leaf.astype(stretches[0].dtype), found)
