@@ -44,12 +44,9 @@ def test_what_compiles_quickly_can_be_a_part_of_other_programs():
 
 def test_small_programs_run_on_the_cpu_beside_an_accelerator(monkeypatch):
     assert platform() == "cpu"
-    with on_the_cpu():
-        assert jax.config.jax_default_device is None
     monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
     with on_the_cpu():
         assert platform() == "cpu"
-        assert jnp.zeros(1).device == jax.config.jax_default_device == jax.local_devices()[0]
     assert platform() == "gpu"
 
     def none(backend):
