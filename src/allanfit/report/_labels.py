@@ -7,6 +7,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from scipy.spatial import KDTree
 
 from ._legend import Drawn, seen
 
@@ -33,7 +34,7 @@ def _distance(places: np.ndarray, others: np.ndarray) -> np.ndarray:
     """From each place to the nearest of the others."""
     if not len(others):
         return np.ones(len(places))
-    return np.linalg.norm(places[:, None] - others[None], axis=-1).min(axis=1)
+    return KDTree(others).query(places)[0]
 
 
 def label_lines(
