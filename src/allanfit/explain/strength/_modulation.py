@@ -12,7 +12,7 @@ from scipy.fft import dct, irfft, next_fast_len, rfft
 from scipy.stats import chi2, f
 
 from ._levels import Levels, levels_that_last, window_of
-from ._paths import FEWEST_WINDOWS, UNEVEN, levels_of, two_levels_of
+from ._paths import FEWEST_WINDOWS, UNEVEN, chance_of_scatter, levels_of, two_levels_of
 from ._varying import varying
 
 # Whitened samples beyond this are pulled in before variances are compared in time.
@@ -177,7 +177,15 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     if p_value >= UNEVEN:
         return found
     found = _with_strength(found, white, labels, weight, seed)
-    if lasting is None or found.strength is not None:
+    if lasting is None:
+        return found
+    if found.strength is not None:
+        # A long window in which loud times begin or end is of a level between the two.
+        short = local_power(white, longest)
+        known = _weight(short, longest, variance)
+        several = labels.max() > 1 and lasting.p_value < UNEVEN
+        if several and _are_all(lasting.path, short, known, seed):
+            return told(lasting.path, longest)
         return found
     # The likeliest path leaves out what does not stand out by itself.
     if lasting.p_value < (by_windows if found.loud.any() else UNEVEN):
@@ -187,6 +195,21 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
         path, *_ = two_levels_of(power, weight, (np.log(power.size) / 2,))
         return told(path, window)
     return found
+
+
+def _are_all(path: Bool[np.ndarray, " windows"], power: Windows, weight: float, seed: int) -> bool:
+    """Whether two levels are all there is: no course of it, and of each no more than noise.
+
+    Windows at the edges of either are left out.
+    """
+    edges = np.flatnonzero(np.diff(path))
+    inside = np.ones(path.size, bool)
+    inside[edges] = inside[edges + 1] = False
+    for level in (path & inside, ~path & inside):
+        own = power[level]
+        if own.size < FEWEST_WINDOWS or chance_of_scatter(own, weight) < UNEVEN:
+            return False
+    return varying(power, weight, path.astype(int), seed) is None
 
 
 def either(by_windows: float, lasting: Levels | None) -> float:

@@ -29,14 +29,19 @@ def levels_of(power: Windows, weight: float) -> Int[np.ndarray, " windows"]:
     for place in (1, 0):
         mine = path == place
         own = power[mine]
-        uneven = float(np.sum((own / own.mean() - 1) ** 2)) * weight / 2
-        if own.size < FEWEST_WINDOWS or chi2.sf(uneven, own.size - 1) > UNEVEN:
+        if own.size < FEWEST_WINDOWS or chance_of_scatter(own, weight) > UNEVEN:
             continue
         within = levels_of(own, weight)
         if place == 0:
             labels[~mine] += within.max()
         labels[mine] += within
     return labels
+
+
+def chance_of_scatter(power: Windows, weight: float) -> float:
+    """The chance that windows of one level scatter as much, each as certain as `weight` samples."""
+    scatter = float(np.sum((power / power.mean() - 1) ** 2)) * weight / 2
+    return float(chi2.sf(scatter, power.size - 1))
 
 
 def two_levels_of(
