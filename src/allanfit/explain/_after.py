@@ -43,6 +43,8 @@ def fit_after(
     rises = np.array(
         [rise_without(k, state.model, state.data) if terms[k] else 0.0 for k in range(4)]
     )
+    if state.in_codes:
+        rises[:] = 0.0
     if any(effect.unmeasured for effect in effects):
         # What swings wanders as well, which nobody can tell from a walk of the sensor's own.
         rises[3] = 0.0
@@ -113,7 +115,7 @@ def _unround(
 
     What they add was in the model, unless the samples were held.
     """
-    added, deviation, logged = state.rounding
+    added, deviation, logged, hidden = state.rounding
     if state.format.repeat is not None:
         for each in (power, best):
             each[..., 1] = np.maximum(each[..., 1] - added, 0.0)
@@ -121,5 +123,10 @@ def _unround(
     if added < 0:
         for each in (power, best):
             each[..., :2] *= (logged - added) / logged
-    scatter = deviation * np.random.default_rng(seed).standard_normal(len(power))
+    rng = np.random.default_rng(seed)
+    scatter = deviation * rng.standard_normal(len(power))
     power[:, 1] = np.maximum(power[:, 1] + scatter, 0.0)
+    if hidden > 0:
+        # Of what is fast nothing is known, and any term may be all that hides, each by itself.
+        power[:, :2] = 0.0
+        power += hidden * rng.random(power.shape) ** 2 / (state.left.expected.mean(axis=0) / 2)

@@ -77,7 +77,10 @@ def bump_for_filter(state: Investigation) -> None:
 
 def bump_beside(state: Investigation) -> None:
     """What nothing of the catalogue explains, as a smooth bump."""
-    found = _search.bumps(state.model, state.data) if state.unexplained is None else []
+    if state.unexplained is not None or state.in_codes:
+        # What codes make of what hides within one is theirs.
+        return
+    found = _search.bumps(state.model, state.data)
     if found and of_a_peak(state, found[0]):
         # That a peak has not quite its shape is no cause of its own.
         return

@@ -97,8 +97,9 @@ class ChannelExplanation:
 
     @property
     def misfit(self) -> bool:
-        """Whether the better model does not fit either."""
-        return self.p_value_after is not None and self.p_value_after < MISFIT
+        """Whether the better model does not fit either; none describes what codes make."""
+        told = self.p_value_after is not None and not self.state.in_codes
+        return told and self.p_value_after < MISFIT
 
     @property
     def false_alarm_probability(self) -> float:
@@ -167,6 +168,11 @@ class ChannelExplanation:
                         f"{effect.told_apart(rival)}."
                     )
         said += [family_sentence(family) for family in self._families]
+        if self.state.in_codes:
+            said.append(
+                "The noise hides within a code: Q, N, B and K are limits, as much as a code can "
+                "hide. Log more digits, or set a smaller range, and record again."
+            )
         if self.misfit:
             said.append(
                 "The better model does not fit either: something is left out or wrongly named, and "

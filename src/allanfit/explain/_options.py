@@ -30,7 +30,12 @@ class Option(NamedTuple):
 
 
 def smooth_options(state: Investigation) -> list[Option]:
-    """Each effect of the spectrum, where it gains most beside what the model holds."""
+    """Each effect of the spectrum, where it gains most beside what the model holds.
+
+    None where noise hides within a code.
+    """
+    if state.in_codes:
+        return []
     pairs = tuple((peak.frequency, peak.half_width) for peak in state.peaks)
     candidates = _search.candidates(state.model, state.data, pairs)
     state.searched = Searched((state.model.kinds, len(state.peaks)), candidates)

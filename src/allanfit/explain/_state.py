@@ -176,6 +176,11 @@ class Investigation:
         """The ordinates less the courses."""
         return self.spectrum if self.left_over is None else self.left_over
 
+    @property
+    def in_codes(self) -> bool:
+        """Whether the noise hides within a code: what is seen of it is what codes make."""
+        return self.rounding.hidden > 0
+
     def ordinates_of(self, *pieces: Float[np.ndarray, " _"]) -> Ordinates:
         """Those of stretches of values that were made as this channel's are."""
         return ordinates(pieces, self.sampling, self.format.angle)

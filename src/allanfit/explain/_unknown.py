@@ -60,6 +60,8 @@ _WHITE = 0.25
 def look_again(state: Investigation, seed: int) -> None:
     """Take back the names of what is something else, and say so; the model keeps its shape."""
     _only_courses_were_loud(state)
+    if state.in_codes:
+        return
     told = tell_apart(state)
     white = whitened_piece(state, state.longest, model_only=True)
     look_at_lines(state, white, told)

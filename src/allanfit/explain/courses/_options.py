@@ -6,8 +6,9 @@ import numpy as np
 
 from .._chance import course_score
 from .._options import Option
-from .._refit import add_course, evidence
+from .._refit import add_course, evidence, with_course
 from .._state import Finding, Investigation
+from ..values._discrete import LASTING, codes_over_noise
 from ._arrival import settled
 from ._course import Course
 from ._scan import propose
@@ -16,6 +17,9 @@ from ._shapes import at_its_edges, refined, together
 # That the course of a measured cause fits by coincidence is 20 times less likely than that it is
 # the cause, as twice a logarithm.
 _MEASURED = 6.0
+# A step from one coarse code to the next is higher than so many; on either side so many samples
+# tell from where to where it goes.
+_CODES, _BESIDE = 1.5, 256
 
 
 def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
@@ -32,6 +36,8 @@ def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option
         if course.name == "step" and state.model.kinds.filtering:
             # Noise behind a filter contradicts a sharp one.
             course = settled(state, course)
+        if course.name == "step" and _crosses_codes(state, course):
+            continue
         gain, log_p = evidence(state, course)
         if course.name == "vibration_rectification" and log_p < np.log(state.alarm):
             # Steps compete that are at their places already.
@@ -52,3 +58,23 @@ def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option
             worth += _MEASURED
         options.append(Option(course.name, log_p, gain, worth, take))
     return options
+
+
+def _crosses_codes(state: Investigation, course: Course) -> bool:
+    """Whether a step may be a slow change that goes from one code to the next.
+
+    Where codes are much wider than the noise, that is what it looks like.
+    """
+    if state.format.normal or codes_over_noise(state) < LASTING:
+        return False
+    width, at = state.format.width, round(course.shape["time"])
+    if abs(float(with_course(state, course).sizes[-1])) > _CODES * width:
+        return False
+    if state.in_codes:
+        return True
+    before, after = (
+        float(np.mean(each)) / width if each.size else np.nan
+        for each in (state.values[max(at - _BESIDE, 0) : at], state.values[at : at + _BESIDE])
+    )
+    code = float(np.median(state.values)) / width
+    return bool(np.rint(before - code) != np.rint(after - code))

@@ -19,6 +19,8 @@ _CODES = np.arange(-6, 7)
 _ANYWHERE = 1e-6
 # The logarithm of the width is known as well as this, or the width is not known.
 _KNOWN = 0.1
+# Narrower noise, in codes, is not told from noise whose mean is elsewhere.
+_TOLD = 0.2
 _STEP = 0.01
 _ROUNDS = 200
 # The means of windows are not quite what they are taken for: so much of what that changes.
@@ -34,6 +36,8 @@ class Rounding(NamedTuple):
     deviation: float
     #: Variance of what is logged.
     logged: float
+    #: Variance that noise may have and hide within a code [u^2].
+    hidden: float = 0.0
 
 
 UNROUNDED = Rounding(0.0, 0.0, 0.0)
@@ -60,8 +64,9 @@ def rounding(values: Float[np.ndarray, " usable"], width: float, sigma: float) -
     top: float = found.x
     low, middle, high = (negative(top + step) for step in (-_STEP, 0.0, _STEP))
     curvature = (low - 2 * middle + high) / _STEP**2
-    if curvature < _KNOWN**-2:
-        return usual
+    if curvature < _KNOWN**-2 or np.exp(top) < _TOLD:
+        # What is spread evenly over a code is seen no more than what stays in its middle.
+        return usual._replace(hidden=width**2 / 12)
     scatter = curvature**-0.5
     (added, logged), (less, _), (more, _) = (
         _spread(top + step, counts, often) for step in (0.0, -scatter, scatter)
