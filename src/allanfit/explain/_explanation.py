@@ -98,8 +98,8 @@ class ChannelExplanation:
     @property
     def misfit(self) -> bool:
         """Whether the better model does not fit either; none describes what codes make."""
-        told = self.p_value_after is not None and not self.state.in_codes
-        return told and self.p_value_after < MISFIT
+        chance = self.p_value_after
+        return chance is not None and chance < MISFIT and not self.state.in_codes
 
     @property
     def false_alarm_probability(self) -> float:

@@ -21,6 +21,8 @@ _ANYWHERE = 1e-6
 _KNOWN = 0.1
 # Narrower noise, in codes, is not told from noise whose mean is elsewhere.
 _TOLD = 0.2
+# Neighbours whose correlation is less are apart.
+_ALIKE = 0.25
 _STEP = 0.01
 _ROUNDS = 200
 # The means of windows are not quite what they are taken for: so much of what that changes.
@@ -64,9 +66,12 @@ def rounding(values: Float[np.ndarray, " usable"], width: float, sigma: float) -
     top: float = found.x
     low, middle, high = (negative(top + step) for step in (-_STEP, 0.0, _STEP))
     curvature = (low - 2 * middle + high) / _STEP**2
-    if curvature < _KNOWN**-2 or np.exp(top) < _TOLD:
+    unknown = curvature < _KNOWN**-2
+    if (unknown or np.exp(top) < _TOLD) and _are_apart(values):
         # What is spread evenly over a code is seen no more than what stays in its middle.
         return usual._replace(hidden=width**2 / 12)
+    if unknown:
+        return usual
     scatter = curvature**-0.5
     (added, logged), (less, _), (more, _) = (
         _spread(top + step, counts, often) for step in (0.0, -scatter, scatter)
@@ -86,6 +91,16 @@ def _counts(
     return np.stack([np.count_nonzero(codes == code, axis=1) for code in _CODES], axis=1).astype(
         float
     )
+
+
+def _are_apart(values: Float[np.ndarray, " usable"]) -> bool:
+    """Whether values are elsewhere by the next sample, as white noise is and filtered noise is not.
+
+    Of slow noise that goes from code to code more is seen than of what hides within one.
+    """
+    windows = values[: values.size // _WINDOW * _WINDOW].reshape(-1, _WINDOW)
+    left = windows - windows.mean(axis=1, keepdims=True)
+    return bool(np.sum(left[:, 1:] * left[:, :-1]) < _ALIKE * np.sum(left**2))
 
 
 def _chances(log_width: float) -> Float[np.ndarray, "places codes"]:
