@@ -20,6 +20,9 @@ from .spectrum._model import rise_without
 from .spectrum._posterior import Draws
 from .values._clipped import rails
 
+# What goes through so many times the codes that hide it is seen beside their staircase.
+_CLEAR = 10.0
+
 
 def fit_after(
     fit: Fit, state: Investigation, draws: Draws, effects: Sequence[Effect], seed: int
@@ -43,8 +46,7 @@ def fit_after(
     rises = np.array(
         [rise_without(k, state.model, state.data) if terms[k] else 0.0 for k in range(4)]
     )
-    if state.in_codes:
-        rises[:] = 0.0
+    rises[best < _CLEAR**2 * _hidden(state)] = 0.0
     if any(effect.unmeasured for effect in effects):
         # What swings wanders as well, which nobody can tell from a walk of the sensor's own.
         rises[3] = 0.0
@@ -115,7 +117,7 @@ def _unround(
 
     What they add was in the model, unless the samples were held.
     """
-    added, deviation, logged, hidden = state.rounding
+    added, deviation, logged, _ = state.rounding
     if state.format.repeat is not None:
         for each in (power, best):
             each[..., 1] = np.maximum(each[..., 1] - added, 0.0)
@@ -126,7 +128,12 @@ def _unround(
     rng = np.random.default_rng(seed)
     scatter = deviation * rng.standard_normal(len(power))
     power[:, 1] = np.maximum(power[:, 1] + scatter, 0.0)
-    if hidden > 0:
+    if state.in_codes:
         # Of what is fast nothing is known, and any term may be all that hides, each by itself.
         power[:, :2] = 0.0
-        power += hidden * rng.random(power.shape) ** 2 / (state.left.expected.mean(axis=0) / 2)
+        power += _hidden(state) * rng.random(power.shape) ** 2
+
+
+def _hidden(state: Investigation) -> Float[np.ndarray, " terms"]:
+    """The power that each term may have and hide within a code."""
+    return state.rounding.hidden / (state.left.expected.mean(axis=0) / 2)

@@ -72,9 +72,9 @@ def _crosses_codes(state: Investigation, course: Course) -> bool:
         return False
     if state.in_codes:
         return True
-    before, after = (
-        float(np.mean(each)) / width if each.size else np.nan
-        for each in (state.values[max(at - _BESIDE, 0) : at], state.values[at : at + _BESIDE])
-    )
-    code = float(np.median(state.values)) / width
-    return bool(np.rint(before - code) != np.rint(after - code))
+    either = state.values[max(at - _BESIDE, 0) : at], state.values[at : at + _BESIDE]
+    before, after = (each[np.isfinite(each)] for each in either)
+    if not (before.size and after.size):
+        return False
+    code = np.nanmedian(state.values)
+    return bool(np.ptp(np.rint([np.mean(each - code) / width for each in (before, after)])))

@@ -181,10 +181,9 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
         return found
     if found.strength is not None:
         # A long window in which loud times begin or end is of a level between the two.
-        short = local_power(white, longest)
-        known = _weight(short, longest, variance)
         several = labels.max() > 1 and lasting.p_value < UNEVEN
-        if several and _are_all(lasting.path, short, known, seed):
+        short = local_power(white, longest)
+        if several and _are_all(lasting.path, short, _weight(short, longest, variance), seed):
             return told(lasting.path, longest)
         return found
     # The likeliest path leaves out what does not stand out by itself.
