@@ -38,13 +38,17 @@ class DriftingLine(AbstractAddedNoise):
     def density(
         self, frequency: Float[Array, "*shape"], dt: float, sampling: Sampling
     ) -> Float[Array, "*shape"]:
-        """A^2/2 times a normal density about the mean, folded at the Nyquist frequency."""
+        """A^2/2 times a normal density about the mean, folded at the Nyquist frequency.
+
+        Of the aliases the nearest two: another is a whole rate away at least.
+        """
+        rate, inverse = 1 / jnp.asarray(dt), 1 / self.width
         total = jnp.zeros_like(frequency)
         for image in (frequency - self.frequency, frequency + self.frequency):
-            nearest = image - jnp.round(image * dt) / dt
-            for alias in (-1, 0, 1):
-                total += jnp.exp(-(((nearest + alias / dt) / self.width) ** 2) / 2)
-        return self.amplitude**2 / 2 * total / (jnp.sqrt(2 * jnp.pi) * self.width)
+            nearest = image - jnp.round(image * dt) * rate
+            for apart in (nearest, nearest - jnp.copysign(rate, nearest)):
+                total += jnp.exp(-jnp.square(apart * inverse) / 2)
+        return self.amplitude**2 / 2 * total * (inverse / jnp.sqrt(2 * jnp.pi))
 
     def sample(
         self, key: PRNGKeyArray, samples: int, dt: float, sampling: Sampling
