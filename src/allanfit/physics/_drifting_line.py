@@ -42,7 +42,7 @@ class DriftingLine(AbstractAddedNoise):
 
         Of the aliases the nearest two: another is a whole rate away at least.
         """
-        rate, inverse = 1 / jnp.asarray(dt), 1 / self.width
+        rate, inverse = 1 / dt, 1 / self.width
         total = jnp.zeros_like(frequency)
         for image in (frequency - self.frequency, frequency + self.frequency):
             nearest = image - jnp.round(image * dt) * rate

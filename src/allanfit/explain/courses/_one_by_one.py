@@ -15,6 +15,7 @@ from scipy.ndimage import uniform_filter1d
 from .._refit import evidence
 from .._state import Investigation
 from ..spectrum._model import Model
+from ..values._discrete import CROSSED
 from ._course import Course, Edge, ordinate_variance
 from ._decoded import decoded
 from ._passing import passed, passing
@@ -31,8 +32,6 @@ LEAST = 4.0
 FEWEST = 8
 # In standard deviations: of lower switches too many are missed to tell how long levels last.
 _CLEAR = 6.5
-# And of coarse codes it is so many.
-_CODES = 1.5
 # A switch is about as likely in so many places, times the square of white noise over its height.
 _PLACES = 2.2
 # Their heights differ by less, as a part, with up to so many times what noise makes of them.
@@ -236,7 +235,7 @@ def seen_as(
         return None
     heights = np.concatenate([each.height for each in edges])
     middle = np.median(heights)
-    if not state.format.normal and middle < _CODES * state.format.width:
+    if not state.format.normal and middle < CROSSED * state.format.width:
         # What is rounded dwells on a code, and on the next one.
         return None
     path, through = np.zeros(state.values.size), passing(state)

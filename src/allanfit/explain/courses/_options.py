@@ -8,7 +8,7 @@ from .._chance import course_score
 from .._options import Option
 from .._refit import add_course, evidence, with_course
 from .._state import Finding, Investigation
-from ..values._discrete import LASTING, codes_over_noise
+from ..values._discrete import CROSSED, LASTING, codes_over_noise
 from ._arrival import settled
 from ._course import Course
 from ._scan import propose
@@ -17,9 +17,8 @@ from ._shapes import at_its_edges, refined, together
 # That the course of a measured cause fits by coincidence is 20 times less likely than that it is
 # the cause, as twice a logarithm.
 _MEASURED = 6.0
-# A step from one coarse code to the next is higher than so many; on either side so many samples
-# tell from where to where it goes.
-_CODES, _BESIDE = 1.5, 256
+# So many samples on either side tell from where to where a step goes.
+_BESIDE = 256
 
 
 def course_options(state: Investigation, drivers: dict[str, Any]) -> list[Option]:
@@ -68,7 +67,7 @@ def _crosses_codes(state: Investigation, course: Course) -> bool:
     if state.format.normal or codes_over_noise(state) < LASTING:
         return False
     width, at = state.format.width, round(course.shape["time"])
-    if abs(float(with_course(state, course).sizes[-1])) > _CODES * width:
+    if abs(float(with_course(state, course).sizes[-1])) > CROSSED * width:
         return False
     if state.in_codes:
         return True

@@ -182,8 +182,7 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     if found.strength is not None:
         # A long window in which loud times begin or end is of a level between the two.
         several = labels.max() > 1 and lasting.p_value < UNEVEN
-        short = local_power(white, longest)
-        if several and _are_all(lasting.path, short, _weight(short, longest, variance), seed):
+        if several and _are_all(white, lasting.path, longest, variance, seed):
             return told(lasting.path, longest)
         return found
     # The likeliest path leaves out what does not stand out by itself.
@@ -196,11 +195,15 @@ def modulation(white: Float[np.ndarray, " samples"], seed: int) -> Modulation:
     return found
 
 
-def _are_all(path: Bool[np.ndarray, " windows"], power: Windows, weight: float, seed: int) -> bool:
+def _are_all(
+    white: Samples, path: Bool[np.ndarray, " windows"], window: int, variance: float, seed: int
+) -> bool:
     """Whether two levels are all there is: no course of it, and of each no more than noise.
 
-    Windows at the edges of either are left out.
+    Windows at the edges of either are left out; `variance` is from `uneven`.
     """
+    power = local_power(white, window)
+    weight = _weight(power, window, variance)
     edges = np.flatnonzero(np.diff(path))
     inside = np.ones(path.size, bool)
     inside[edges] = inside[edges + 1] = False

@@ -16,6 +16,8 @@ from ._contamination import Contamination, beyond, in_units
 
 # Codes so many times as wide as the noise hide whether it lasts, and so many times, what is brief.
 LASTING, BRIEF = 3.0, 5.0
+#: What goes from one coarse code to the next, or dwells on both, moves by so many at most.
+CROSSED = 1.5
 # A variance must change by more than codes change it by themselves, so many times.
 _MORE = 2.0
 # A spike is so many standard deviations from all others, beyond what rounding does.
